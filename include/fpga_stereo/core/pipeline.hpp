@@ -1,0 +1,54 @@
+// The pipeline in software: the stages in order, over bands of rows in parallel.
+#pragma once
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "fpga_stereo/core/calibration.hpp"
+#include "fpga_stereo/core/parameters.hpp"
+#include "fpga_stereo/core/stages.hpp"
+
+namespace fpga_stereo {
+
+enum class Stage { kRectify, kCensus, kMatch, kSelect, kCheck, kSubpixel, kSpike };
+constexpr std::array<const char*, 7> kStageNames{"rectify", "census",   "match", "select",
+                                                 "check",   "subpixel", "spike"};
+/// Wall-clock time of each stage, ms, by Stage.
+using StageTimes = std::array<double, kStageNames.size()>;
+
+/// The output of every stage for one frame. Valid until the next frame is processed.
+struct Taps {
+  cv::Mat1b left, right;          // rectified; right is shifted by min_disparity
+  cv::Mat left_bits, right_bits;  // census
+  Selection selection;
+  cv::Mat1b kept;
+  cv::Mat1w refined;    // of subpixel
+  cv::Mat1w disparity;  // of spike: the result, 1/32 px, kNoDisparity = none
+  StageTimes ms{};
+};
+
+/// Refuses a raw image that the rectification was not made for or that is larger than
+/// kMaxWidth x kMaxHeight.
+Status validate_image(const cv::Mat& raw, const StereoRectification& rectification,
+                      const std::string& camera);
+
+/// rectify over bands of rows, `num_threads` of them.
+void rectify_in_bands(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified);
+
+class Pipeline {
+ public:
+  /// Runs every stage. The result does not depend on `num_threads` (>= 1), which limits how many
+  /// threads of OpenCV's pool work on the frame. The images must pass validate_image.
+  const Taps& process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
+                      const StereoRectification& rectification, const Parameters& parameters,
+                      int num_threads);
+
+ private:
+  void match_and_select(const Parameters& parameters, int num_threads);
+
+  Taps taps_;
+  std::vector<Match> matches_;  // one per band
+};
+
+}  // namespace fpga_stereo

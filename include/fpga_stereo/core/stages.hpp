@@ -1,0 +1,76 @@
+// The data path on one screen: one function per stage, in data order. fpga_fw/spec/pipeline.md
+// defines what each computes, bit for bit; these functions state that definition and are normative.
+//
+//   rectify -> census -> match -> select -> check -> subpixel -> spike
+//
+// Images are W x H, at any row pitch. A stage writes the rows it is given (cv::Range::all() = the
+// image) and creates its output where it has not the right size yet, so bands of rows may run in
+// parallel once the output exists. Disparities d run from 0 to disparity_range - 1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "fpga_stereo/core/mesh.hpp"
+#include "fpga_stereo/core/parameters.hpp"
+
+namespace fpga_stereo {
+
+constexpr int kDisparityScale = 32;             // a pixel of disparity is 32 units
+constexpr std::uint16_t kNoDisparity = 0xFFFF;  // in a disparity image
+constexpr int kSpikeLookAhead = 24;             // rows below a pixel that its region may use
+constexpr int kMaxWidth = 1920, kMaxHeight = 1200;
+
+/// What select knows of every left pixel (right_winner: of every right pixel).
+struct Selection {
+  cv::Mat1b winner;                            // dL, the disparity with the smallest sum
+  cv::Mat1b right_winner;                      // dR
+  cv::Mat1w winner_sum;                        // v1 = S(dL)
+  cv::Mat1w rival_sum;                         // v2, the smallest sum but for dL-1, dL, dL+1
+  cv::Mat_<cv::Vec<std::uint16_t, 5>> around;  // S(dL-2) .. S(dL+2); 0 beyond the search range
+};
+
+/// raw (8UC1 or 8UC3) -> rectified, of the size of the mesh.
+void rectify(const cv::Mat& raw, const Mesh& mesh, cv::Range rows, cv::Mat& rectified);
+
+/// image -> bits, 32SC(n): neighbour k in raster order is bit k % 32 of channel k / 32.
+void census(const cv::Mat1b& image, const Parameters& p, cv::Range rows, cv::Mat& bits);
+
+/// Census images -> window sums S(x, y, d), a row at a time from running sums.
+class Match {
+ public:
+  /// The images must outlive the use; next() then gives row `first_row` and those below.
+  void start(const cv::Mat& left_bits, const cv::Mat& right_bits, const Parameters& p,
+             int first_row);
+  /// S of the next row: disparity_range x W. Valid until the next call.
+  const cv::Mat1w& next();
+
+ private:
+  void hamming(int y, cv::Mat1b& row) const;
+
+  cv::Mat left_, right_;            // census bits
+  int half_ = 0;                    // of the census bits: chance
+  int radius_ = 0;                  // of the correlation window
+  int first_summed_ = 0, row_ = 0;  // image rows
+  std::vector<cv::Mat1b> hamming_;  // per row of the window, D x W
+  cv::Mat1w columns_, sums_;        // D x W
+};
+
+/// S of row y -> winner, right winner, rival and neighbours of row y. `out` is W x H.
+void select(const cv::Mat1w& sums, int y, Selection& out);
+/// Gives `out` the size of an image.
+void create(Selection& out, cv::Size size);
+
+/// Left-right and uniqueness -> kept, 1 where a pixel passes, else 0.
+void check(const Selection& s, const Parameters& p, cv::Range rows, cv::Mat1b& kept);
+
+/// Parabola through five sums -> disparity in 1/32 px, kNoDisparity where not kept.
+void subpixel(const Selection& s, const cv::Mat1b& kept, const Parameters& p, cv::Range rows,
+              cv::Mat1w& disparity);
+
+/// Small regions of `disparity` become kNoDisparity; in place, the whole image.
+void spike(const Parameters& p, cv::Mat1w& disparity);
+
+}  // namespace fpga_stereo

@@ -1,0 +1,35 @@
+// The topics that the node publishes, and who listens to them.
+#pragma once
+
+#include <image_transport/image_transport.h>
+#include <ros/ros.h>
+
+#include <functional>
+
+#include "fpga_stereo/ros/frame.hpp"
+
+namespace fpga_stereo {
+
+/// Publishes a frame on every topic that has a subscriber. Converts nothing nobody listens to.
+class Outputs {
+ public:
+  /// `changed` is called when somebody begins or ceases to listen, possibly before this
+  /// constructor returns.
+  Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed);
+
+  /// What the next frame needs, given how the cloud is coloured.
+  Demand demand(const Settings& settings) const;
+  void publish(const StereoFrame& frame);
+
+ private:
+  void publish_depth(const StereoFrame& frame) const;
+  void publish_cloud(const StereoFrame& frame);
+
+  image_transport::ImageTransport transport_;
+  image_transport::Publisher left_rect_, right_rect_, left_color_, right_color_;
+  image_transport::Publisher depth_, disparity_color_;
+  ros::Publisher depth_info_, disparity_, points2_;
+  ros::Time last_cloud_;  // stamp
+};
+
+}  // namespace fpga_stereo

@@ -1,0 +1,242 @@
+#include "fpga_stereo/core/calibration.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <tuple>
+
+namespace fpga_stereo {
+namespace {
+
+constexpr double kSamePixel = 1e-3;  // px; f and cy of a pair may differ by rounding of a file
+
+/// K and P of the delivered image: binning and region of interest applied.
+struct ImageCamera {
+  cv::Matx33d K, R, P;
+  double fx_times_baseline = 0;  // P[3]
+};
+
+ImageCamera image_camera(const CameraCalibration& camera) {
+  ImageCamera image{cv::Matx33d(camera.K.data()), cv::Matx33d(camera.R.data()),
+                    cv::Matx34d(camera.P.data()).get_minor<3, 3>(0, 0), camera.P[3]};
+  const double scale_x = 1.0 / std::max(1, camera.binning_x);
+  const double scale_y = 1.0 / std::max(1, camera.binning_y);
+  for (cv::Matx33d* matrix : {&image.K, &image.P}) {
+    (*matrix)(0, 2) -= camera.roi.x;
+    (*matrix)(1, 2) -= camera.roi.y;
+    for (int column = 0; column < 3; ++column) {
+      (*matrix)(0, column) *= scale_x;
+      (*matrix)(1, column) *= scale_y;
+    }
+  }
+  image.fx_times_baseline *= scale_x;
+  return image;
+}
+
+template <class Container>
+bool all_finite(const Container& values) {
+  for (const double value : values) {
+    if (!std::isfinite(value)) return false;
+  }
+  return true;
+}
+
+template <class... Parts>
+Error error(ErrorKind kind, const Parts&... parts) {
+  std::ostringstream text;
+  text.precision(10);
+  (text << ... << parts);
+  return {kind, text.str()};
+}
+
+std::string text(cv::Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+bool all_zero(const std::vector<double>& values) {
+  for (const double value : values) {
+    if (value != 0) return false;
+  }
+  return true;
+}
+
+Status validate_distortion(const CameraCalibration& camera, const std::string& name) {
+  if (all_zero(camera.D)) return {};
+  const std::string& model = camera.distortion_model;
+  const std::size_t expected = model == "plumb_bob" ? 5 : model == "rational_polynomial" ? 8 : 0;
+  if (expected == 0) {
+    return error(ErrorKind::kCalibration, name, " camera_info distortion_model = \"", model,
+                 "\": allowed plumb_bob or rational_polynomial");
+  }
+  if (camera.D.size() != expected) {
+    return error(ErrorKind::kCalibration, name, " camera_info D has ", camera.D.size(),
+                 " values: ", model, " has ", expected);
+  }
+  return {};
+}
+
+Status validate_size(const CameraCalibration& camera, const std::string& name) {
+  if (camera.width <= 0 || camera.height <= 0) {
+    return error(ErrorKind::kCalibration, name, " camera_info width x height = ", camera.width, "x",
+                 camera.height, ": allowed 1x1 or more");
+  }
+  const cv::Rect all(0, 0, camera.width, camera.height);
+  if ((camera.roi & all) != camera.roi) {
+    return error(ErrorKind::kCalibration, name, " camera_info roi ", text(camera.roi.size()), "+",
+                 camera.roi.x, "+", camera.roi.y, " reaches out of the image of ",
+                 text(all.size()));
+  }
+  const cv::Size size = camera.image_size();
+  if (size.empty()) {
+    return error(ErrorKind::kCalibration, name, " camera_info binning ", camera.binning_x, "x",
+                 camera.binning_y, " leaves no pixel");
+  }
+  return {};
+}
+
+}  // namespace
+
+cv::Size CameraCalibration::image_size() const {
+  const cv::Size full = roi.empty() ? cv::Size(width - roi.x, height - roi.y) : roi.size();
+  return {full.width / std::max(1, binning_x), full.height / std::max(1, binning_y)};
+}
+
+bool CameraCalibration::operator==(const CameraCalibration& o) const {
+  return std::tie(width, height, distortion_model, D, K, R, P, binning_x, binning_y, roi) ==
+         std::tie(o.width, o.height, o.distortion_model, o.D, o.K, o.R, o.P, o.binning_x,
+                  o.binning_y, o.roi);
+}
+
+ExactMap exact_map(const CameraCalibration& camera, double shift_x) {
+  const ImageCamera image = image_camera(camera);
+  const cv::Matx33d to_ray = (image.P * image.R).inv();
+  std::array<double, 8> k{};
+  if (!all_zero(camera.D)) std::copy(camera.D.begin(), camera.D.end(), k.begin());
+
+  return [=](double column, double row) -> cv::Point2d {
+    const cv::Vec3d ray = to_ray * cv::Vec3d(column - shift_x, row, 1);
+    if (!(ray[2] > 0)) return {std::nan(""), std::nan("")};  // behind the camera
+    const double x = ray[0] / ray[2];
+    const double y = ray[1] / ray[2];
+    const double r2 = x * x + y * y;
+    const double radial =
+        (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
+    const cv::Vec3d distorted(x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x),
+                              y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y, 1);
+    const cv::Vec3d pixel = image.K * distorted;
+    return {pixel[0], pixel[1]};
+  };
+}
+
+ExactMap exact_map(const std::array<double, 9>& homography, double shift_x) {
+  const cv::Matx33d matrix(homography.data());
+  return [=](double column, double row) -> cv::Point2d {
+    const cv::Vec3d pixel = matrix * cv::Vec3d(column - shift_x, row, 1);
+    return {pixel[0] / pixel[2], pixel[1] / pixel[2]};
+  };
+}
+
+Status validate(const CameraCalibration& camera, const std::string& name) {
+  if (Status status = validate_size(camera, name); !status) return status;
+  if (camera.K[0] == 0) {
+    return error(ErrorKind::kUncalibrated, name,
+                 " camera is uncalibrated: camera_info K[0] = 0; calibrate it first, for example "
+                 "with camera_calibration");
+  }
+  const std::pair<const char*, bool> fields[] = {{"K", all_finite(camera.K)},
+                                                 {"D", all_finite(camera.D)},
+                                                 {"R", all_finite(camera.R)},
+                                                 {"P", all_finite(camera.P)}};
+  for (const auto& [field, finite] : fields) {
+    if (!finite) {
+      return error(ErrorKind::kCalibration, name, " camera_info ", field,
+                   " has a value that is not finite");
+    }
+  }
+  for (const int i : {0, 4}) {
+    if (camera.K[i] <= 0) {
+      return error(ErrorKind::kCalibration, name, " camera_info K[", i, "] = ", camera.K[i],
+                   ": the focal length must be positive");
+    }
+  }
+  for (const int i : {0, 5}) {
+    if (camera.P[i] <= 0) {
+      return error(ErrorKind::kCalibration, name, " camera_info P[", i, "] = ", camera.P[i],
+                   ": the focal length must be positive; a stereo calibration fills it");
+    }
+  }
+  const cv::Matx33d R(camera.R.data());
+  const double off = cv::norm(R * R.t() - cv::Matx33d::eye());
+  if (off > 1e-2) {
+    return error(ErrorKind::kCalibration, name,
+                 " camera_info R is no rotation: |R R^T - I| = ", off,
+                 ": allowed up to 0.01; without rectification R is the identity");
+  }
+  return validate_distortion(camera, name);
+}
+
+Result<StereoRectification> make_stereo_rectification(const CameraCalibration& left,
+                                                      const CameraCalibration& right,
+                                                      int min_disparity) {
+  if (Status status = validate(left, "left"); !status) return status.error();
+  if (Status status = validate(right, "right"); !status) return status.error();
+
+  StereoRectification pair;
+  pair.min_disparity = min_disparity;
+  StereoGeometry& geometry = pair.geometry;
+  geometry.image_size = left.image_size();
+  if (left.image_size() != right.image_size()) {
+    return error(ErrorKind::kCalibration, "left and right camera_info give images of ",
+                 text(left.image_size()), " and ", text(right.image_size()),
+                 ": they must have one size");
+  }
+  const ImageCamera left_image = image_camera(left);
+  const ImageCamera right_image = image_camera(right);
+  const auto same = [&](const char* what, double l, double r) -> Status {
+    if (std::abs(l - r) <= kSamePixel) return {};
+    return error(ErrorKind::kCalibration, what, " of left and right camera_info P differ: ", l,
+                 " and ", r, ": they must be equal, else the pair is not rectified");
+  };
+  if (Status s = same("fx", left_image.P(0, 0), right_image.P(0, 0)); !s) return s.error();
+  if (Status s = same("fy", left_image.P(1, 1), right_image.P(1, 1)); !s) return s.error();
+  if (Status s = same("cy", left_image.P(1, 2), right_image.P(1, 2)); !s) return s.error();
+  geometry.fx = right_image.P(0, 0);
+  geometry.fy = left_image.P(1, 1);
+  geometry.cx = left_image.P(0, 2);
+  geometry.cx_right = right_image.P(0, 2);
+  geometry.cy = left_image.P(1, 2);
+  geometry.baseline = -right_image.fx_times_baseline / geometry.fx;
+  if (!(geometry.baseline > 0)) {
+    return error(ErrorKind::kCalibration, "right camera_info P[3] = ", right.P[3],
+                 ": it must be minus focal length times baseline, thus negative; are left and "
+                 "right swapped?");
+  }
+
+  const cv::Size size = geometry.image_size;
+  auto left_made = make_rectification(exact_map(left), size, size, "left");
+  if (!left_made) return left_made.error();
+  pair.left = *left_made;
+  auto right_made = make_rectification(exact_map(right, min_disparity), size, size, "right");
+  if (!right_made) return right_made.error();
+  pair.right = *right_made;
+  pair.right_unshifted = pair.right.mesh;
+  if (min_disparity != 0) {
+    auto unshifted = make_rectification(exact_map(right), size, size, "right");
+    if (!unshifted) return unshifted.error();
+    pair.right_unshifted = unshifted->mesh;
+  }
+  return pair;
+}
+
+StereoRectification no_rectification(const StereoGeometry& geometry, int min_disparity) {
+  const cv::Size size = geometry.image_size;
+  StereoRectification pair;
+  pair.geometry = geometry;
+  pair.min_disparity = min_disparity;
+  pair.left.mesh = pair.right_unshifted = Mesh::shift(size, 0);
+  pair.right.mesh = Mesh::shift(size, -min_disparity);
+  pair.left.buffer = buffer_need(pair.left.mesh, size);
+  pair.right.buffer = buffer_need(pair.right.mesh, size);
+  return pair;
+}
+
+}  // namespace fpga_stereo

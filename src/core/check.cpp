@@ -1,0 +1,29 @@
+#include <cmath>
+#include <cstdlib>
+#include <opencv2/core.hpp>
+
+#include "fpga_stereo/core/stages.hpp"
+
+namespace fpga_stereo {
+
+void check(const Selection& s, const Parameters& p, cv::Range rows, cv::Mat1b& kept) {
+  kept.create(s.winner.size());
+  if (rows == cv::Range::all()) rows = {0, kept.rows};
+  const auto ratio = static_cast<std::uint32_t>(std::lround(256 * (1 + p.uniqueness_ratio / 100)));
+
+  for (int y = rows.start; y < rows.end; ++y) {
+    for (int x = 0; x < kept.cols; ++x) {
+      bool keep = true;
+      if (p.left_right_check) {
+        const int d = s.winner(y, x);
+        keep = x - d >= 0 && std::abs(s.right_winner(y, x - d) - d) <= p.disp12MaxDiff;
+      }
+      if (p.uniqueness_check) {
+        keep = keep && 256U * s.rival_sum(y, x) > ratio * s.winner_sum(y, x);
+      }
+      kept(y, x) = keep ? 1 : 0;
+    }
+  }
+}
+
+}  // namespace fpga_stereo

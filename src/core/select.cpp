@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <cstdlib>
+#include <opencv2/core.hpp>
+
+#include "fpga_stereo/core/stages.hpp"
+
+namespace fpga_stereo {
+
+void create(Selection& out, cv::Size size) {
+  out.winner.create(size);
+  out.right_winner.create(size);
+  out.winner_sum.create(size);
+  out.rival_sum.create(size);
+  out.around.create(size);
+}
+
+void select(const cv::Mat1w& sums, int y, Selection& out) {
+  const int width = sums.cols;
+  const int range = sums.rows;
+  std::uint8_t* winner = out.winner[y];
+  std::uint8_t* right_winner = out.right_winner[y];
+  std::uint16_t* winner_sum = out.winner_sum[y];
+  std::uint16_t* rival_sum = out.rival_sum[y];
+
+  // Winner-takes-all of the left pixels; "<" keeps the lowest d on a tie.
+  std::copy(sums[0], sums[0] + width, winner_sum);
+  std::fill(winner, winner + width, std::uint8_t{0});
+  for (int d = 1; d < range; ++d) {
+    const std::uint16_t* sum = sums[d];
+    for (int x = 0; x < width; ++x) {
+      const bool better = sum[x] < winner_sum[x];
+      winner[x] = better ? static_cast<std::uint8_t>(d) : winner[x];
+      winner_sum[x] = better ? sum[x] : winner_sum[x];
+    }
+  }
+
+  // The right pixel xr sees the left pixel xr + d: the diagonal of the same sums (the paper's
+  // Fig. 6). rival_sum serves as the running minimum.
+  std::copy(sums[0], sums[0] + width, rival_sum);
+  std::fill(right_winner, right_winner + width, std::uint8_t{0});
+  for (int d = 1; d < std::min(range, width); ++d) {
+    const std::uint16_t* sum = sums[d] + d;
+    for (int x = 0; x < width - d; ++x) {
+      const bool better = sum[x] < rival_sum[x];
+      right_winner[x] = better ? static_cast<std::uint8_t>(d) : right_winner[x];
+      rival_sum[x] = better ? sum[x] : rival_sum[x];
+    }
+  }
+
+  // Neighbours of the winner are no rivals: a minimum between two pixels makes both low.
+  std::fill(rival_sum, rival_sum + width, std::uint16_t{0xFFFF});
+  for (int d = 0; d < range; ++d) {
+    const std::uint16_t* sum = sums[d];
+    for (int x = 0; x < width; ++x) {
+      const bool rival = std::abs(d - winner[x]) > 1;
+      rival_sum[x] = rival ? std::min(rival_sum[x], sum[x]) : rival_sum[x];
+    }
+  }
+
+  for (int x = 0; x < width; ++x) {
+    for (int k = -2; k <= 2; ++k) {
+      const int d = winner[x] + k;
+      out.around(y, x)[k + 2] = d >= 0 && d < range ? sums(d, x) : 0;
+    }
+  }
+}
+
+}  // namespace fpga_stereo

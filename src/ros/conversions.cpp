@@ -1,0 +1,148 @@
+#include "fpga_stereo/ros/conversions.hpp"
+
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <boost/make_shared.hpp>
+#include <utility>
+
+#include "fpga_stereo/core/stages.hpp"
+
+namespace fpga_stereo {
+namespace {
+
+namespace enc = sensor_msgs::image_encodings;
+
+/// cv_bridge throws on what it cannot convert; here that is a value.
+Result<cv::Mat> convert(const sensor_msgs::ImageConstPtr& image, const std::string& encoding,
+                        const std::string& camera) {
+  const auto refuse = [&](const std::string& why) {
+    return Error{ErrorKind::kInvalid,
+                 camera + " image with encoding \"" + image->encoding + "\", " +
+                     std::to_string(image->width) + "x" + std::to_string(image->height) +
+                     ", step " + std::to_string(image->step) + ", " +
+                     std::to_string(image->data.size()) + " bytes: " + why +
+                     "; allowed mono8, mono16, bgr8, rgb8, bgra8, rgba8 and bayer_*8"};
+  };
+  if (image->width == 0 || image->height == 0) return refuse("it has no pixel");
+  try {
+    return cv_bridge::toCvShare(image, encoding)->image;
+  } catch (const cv_bridge::Exception& e) {
+    return refuse(e.what());
+  } catch (const cv::Exception& e) {
+    return refuse(e.what());
+  } catch (const std::runtime_error& e) {  // an encoding of no known channel count
+    return refuse(e.what());
+  }
+}
+
+sensor_msgs::PointField field(const std::string& name, int offset) {
+  sensor_msgs::PointField result;
+  result.name = name;
+  result.offset = static_cast<std::uint32_t>(offset);
+  result.datatype = sensor_msgs::PointField::FLOAT32;
+  result.count = 1;
+  return result;
+}
+
+/// Where disparities can be valid: image_pipeline's bounds (disparity.cpp of noetic), but from the
+/// size of the image, which it does not know yet when it computes them.
+sensor_msgs::RegionOfInterest valid_window(cv::Size size, const Parameters& p) {
+  const int border = p.correlation_window_size / 2;
+  const int left = p.disparity_range + p.min_disparity + border - 1;
+  const int right_margin =
+      p.min_disparity >= 0 ? border + p.min_disparity : std::max(border, -p.min_disparity);
+  sensor_msgs::RegionOfInterest window;
+  window.x_offset = static_cast<std::uint32_t>(std::clamp(left, 0, size.width));
+  window.y_offset = static_cast<std::uint32_t>(std::min(border, size.height));
+  window.width = static_cast<std::uint32_t>(std::max(0, size.width - 1 - right_margin - left));
+  window.height = static_cast<std::uint32_t>(std::max(0, size.height - 1 - 2 * border));
+  return window;
+}
+
+}  // namespace
+
+CameraCalibration to_calibration(const sensor_msgs::CameraInfo& info) {
+  CameraCalibration c;
+  c.width = static_cast<int>(info.width);
+  c.height = static_cast<int>(info.height);
+  c.distortion_model = info.distortion_model;
+  c.D = info.D;
+  std::copy(info.K.begin(), info.K.end(), c.K.begin());
+  std::copy(info.R.begin(), info.R.end(), c.R.begin());
+  std::copy(info.P.begin(), info.P.end(), c.P.begin());
+  c.binning_x = static_cast<int>(info.binning_x);
+  c.binning_y = static_cast<int>(info.binning_y);
+  c.roi = {static_cast<int>(info.roi.x_offset), static_cast<int>(info.roi.y_offset),
+           static_cast<int>(info.roi.width), static_cast<int>(info.roi.height)};
+  return c;
+}
+
+Result<cv::Mat> to_grey(const sensor_msgs::ImageConstPtr& image, const std::string& camera) {
+  return convert(image, enc::MONO8, camera);
+}
+
+Result<cv::Mat> to_bgr(const sensor_msgs::ImageConstPtr& image, const std::string& camera) {
+  return convert(image, enc::isMono(image->encoding) ? enc::MONO8 : enc::BGR8, camera);
+}
+
+sensor_msgs::ImagePtr to_image(const cv::Mat& image, const std_msgs::Header& header) {
+  const std::string encoding = image.type() == CV_8UC1    ? enc::MONO8
+                               : image.type() == CV_8UC3  ? enc::BGR8
+                               : image.type() == CV_16UC1 ? enc::TYPE_16UC1
+                                                          : enc::TYPE_32FC1;
+  return cv_bridge::CvImage(header, encoding, image).toImageMsg();
+}
+
+stereo_msgs::DisparityImagePtr to_disparity_image(const cv::Mat1w& disparity,
+                                                  const StereoGeometry& geometry,
+                                                  const Parameters& parameters,
+                                                  const std_msgs::Header& header) {
+  const Reprojection r = make_reprojection(geometry, parameters.min_disparity);
+  auto message = boost::make_shared<stereo_msgs::DisparityImage>();
+  message->header = header;
+  message->f = static_cast<float>(geometry.fx);
+  message->T = static_cast<float>(geometry.baseline);
+  message->min_disparity = static_cast<float>(r.offset);
+  message->max_disparity = static_cast<float>(r.offset + parameters.disparity_range - 1);
+  message->delta_d = parameters.subpixel ? 1.0F / kDisparityScale : 1.0F;
+  message->valid_window = valid_window(disparity.size(), parameters);
+
+  sensor_msgs::Image& image = message->image;
+  image.header = header;
+  image.height = static_cast<std::uint32_t>(disparity.rows);
+  image.width = static_cast<std::uint32_t>(disparity.cols);
+  image.encoding = enc::TYPE_32FC1;
+  image.is_bigendian = 0;
+  image.step = image.width * static_cast<std::uint32_t>(sizeof(float));
+  image.data.resize(static_cast<std::size_t>(image.step) * image.height);
+  cv::Mat1f values(disparity.rows, disparity.cols, reinterpret_cast<float*>(image.data.data()),
+                   image.step);
+  to_float(disparity, r.offset, message->min_disparity - 1.0F, values);
+  return message;
+}
+
+sensor_msgs::PointCloud2Ptr to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r,
+                                            const cv::Mat& color, const CloudLayout& layout,
+                                            const std_msgs::Header& header) {
+  Cloud cloud;
+  to_cloud(disparity, r, color, layout, cloud);
+  auto message = boost::make_shared<sensor_msgs::PointCloud2>();
+  message->header = header;
+  message->width = static_cast<std::uint32_t>(cloud.width);
+  message->height = static_cast<std::uint32_t>(cloud.height);
+  message->fields = {field("x", 0), field("y", 4), field("z", 8)};
+  if (layout.color == PointColor::kRgb) {
+    message->fields.push_back(field("rgb", layout.color_offset()));
+  } else if (layout.color == PointColor::kMono) {
+    message->fields.push_back(field("intensity", layout.color_offset()));
+  }
+  message->point_step = static_cast<std::uint32_t>(layout.point_step());
+  message->row_step = message->point_step * message->width;
+  message->is_bigendian = 0;
+  message->is_dense = !layout.organized;
+  message->data = std::move(cloud.data);
+  return message;
+}
+
+}  // namespace fpga_stereo

@@ -1,0 +1,107 @@
+#include "fpga_stereo/ros/health.hpp"
+
+namespace fpga_stereo {
+
+DropCause cause_of(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::kUncalibrated:
+      return DropCause::kUncalibrated;
+    case ErrorKind::kCalibration:
+      return DropCause::kCalibration;
+    case ErrorKind::kImageSize:
+      return DropCause::kImageSize;
+    case ErrorKind::kInvalid:
+      break;
+  }
+  return DropCause::kEncoding;
+}
+
+void Health::received() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++in_;
+}
+
+void Health::dropped(DropCause cause, std::uint64_t frames) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  dropped_[static_cast<std::size_t>(cause)] += frames;
+}
+
+void Health::refused(DropCause cause, const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++dropped_[static_cast<std::size_t>(cause)];
+  refusal_ = why;
+}
+
+void Health::published(const StageTimes& stages, double publish_ms, double latency_ms) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++published_;
+  ++frames_;
+  refusal_.clear();
+  for (std::size_t i = 0; i < stages.size(); ++i) stage_ms_[i] += stages[i];
+  publish_ms_ += publish_ms;
+  latency_ms_ += latency_ms;
+}
+
+void Health::listening(bool anyone) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  listening_ = anyone;
+}
+
+StereoStatus Health::report(bool restart) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  StereoStatus s;
+  s.frames_in = in_;
+  s.frames_published = published_;
+  const auto dropped = [&](DropCause cause) { return dropped_[static_cast<std::size_t>(cause)]; };
+  s.dropped_unsynchronized = dropped(DropCause::kUnsynchronized);
+  s.dropped_replaced = dropped(DropCause::kReplaced);
+  s.dropped_unwanted = dropped(DropCause::kUnwanted);
+  s.dropped_stamp = dropped(DropCause::kStamp);
+  s.dropped_encoding = dropped(DropCause::kEncoding);
+  s.dropped_image_size = dropped(DropCause::kImageSize);
+  s.dropped_uncalibrated = dropped(DropCause::kUncalibrated);
+  s.dropped_calibration = dropped(DropCause::kCalibration);
+
+  const ros::WallTime now = ros::WallTime::now();
+  if (frames_ > 0) {
+    const auto n = static_cast<double>(frames_);
+    const auto mean = [&](double sum) { return static_cast<float>(sum / n); };
+    const auto stage = [&](Stage which) {
+      return mean(stage_ms_[static_cast<std::size_t>(which)]);
+    };
+    s.rate = static_cast<float>(n / std::max((now - since_).toSec(), 1e-3));
+    s.latency_ms = mean(latency_ms_);
+    s.rectify_ms = stage(Stage::kRectify);
+    s.census_ms = stage(Stage::kCensus);
+    s.match_ms = stage(Stage::kMatch);
+    s.select_ms = stage(Stage::kSelect);
+    s.check_ms = stage(Stage::kCheck);
+    s.subpixel_ms = stage(Stage::kSubpixel);
+    s.spike_ms = stage(Stage::kSpike);
+    s.publish_ms = mean(publish_ms_);
+  }
+  if (restart) {
+    since_ = now;
+    frames_ = 0;
+    stage_ms_ = {};
+    publish_ms_ = latency_ms_ = 0;
+  }
+  return s;
+}
+
+std::uint64_t Health::published_count() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return published_;
+}
+
+std::string Health::refusal() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return refusal_;
+}
+
+bool Health::anyone_listens() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return listening_;
+}
+
+}  // namespace fpga_stereo

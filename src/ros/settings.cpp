@@ -1,0 +1,181 @@
+#include "fpga_stereo/ros/settings.hpp"
+
+#include <dynamic_reconfigure/Config.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+#include <thread>
+
+namespace fpga_stereo {
+namespace {
+
+template <class T>
+std::string text_of(const T& value) {
+  std::ostringstream text;
+  text << std::boolalpha << value;
+  return text.str();
+}
+
+/// A parameter as the parameter server has it, as text.
+std::string text_of(XmlRpc::XmlRpcValue& value) {
+  using V = XmlRpc::XmlRpcValue;
+  if (value.getType() == V::TypeBoolean) return text_of(static_cast<bool&>(value));
+  if (value.getType() == V::TypeInt) return text_of(static_cast<int&>(value));
+  if (value.getType() == V::TypeDouble) return text_of(static_cast<double&>(value));
+  if (value.getType() == V::TypeString) return static_cast<std::string&>(value);
+  return value.toXml();
+}
+
+std::string refusal(const std::string& name, const std::string& value, const std::string& allowed,
+                    const std::string& used) {
+  return name + " = " + value + ": allowed " + allowed + "; using " + used;
+}
+
+dynamic_reconfigure::Config to_message(const StereoConfig& config) {
+  dynamic_reconfigure::Config message;
+  config.__toMessage__(message);
+  return message;
+}
+
+/// The values of a configuration, as text by name.
+std::map<std::string, std::string> texts(const StereoConfig& config) {
+  std::map<std::string, std::string> values;
+  const dynamic_reconfigure::Config message = to_message(config);
+  for (const auto& p : message.ints) values[p.name] = text_of(p.value);
+  for (const auto& p : message.doubles) values[p.name] = text_of(p.value);
+  for (const auto& p : message.strs) values[p.name] = p.value;
+  for (const auto& p : message.bools) values[p.name] = text_of(p.value != 0);
+  return values;
+}
+
+/// What a text parameter of the outputs may be.
+const std::map<std::string, std::vector<std::string>>& choices() {
+  static const std::map<std::string, std::vector<std::string>> table{
+      {"cloud_fields", {"rgb", "mono", "xyz"}}, {"depth_encoding", {"32FC1", "16UC1"}}};
+  return table;
+}
+
+std::string either(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " or ") + name;
+  return text;
+}
+
+/// Why the parameter `name` may not be `value`: what is allowed; empty where it may.
+std::string allowed_unless(const std::string& name, const std::string& value) {
+  for (const ParameterInfo& info : parameter_table()) {
+    Parameters scratch;
+    if (info.name == name) {
+      return set_parameter(scratch, name, value) ? "" : allowed_values(info);
+    }
+  }
+  if (const auto found = choices().find(name); found != choices().end()) {
+    const auto& names = found->second;
+    return std::count(names.begin(), names.end(), value) != 0 ? "" : either(names);
+  }
+  static const auto least = texts(StereoConfig::__getMin__());
+  static const auto most = texts(StereoConfig::__getMax__());
+  if (least.at(name) == "false") {
+    return value == "true" || value == "false" ? "" : "true or false";
+  }
+  std::istringstream stream(value);
+  double number = 0;
+  const bool parsed = stream >> number && stream.eof();
+  const bool in_range =
+      parsed && number >= std::stod(least.at(name)) && number <= std::stod(most.at(name));
+  return in_range ? "" : least.at(name) + " to " + most.at(name);
+}
+
+/// Puts the value of `name` from one configuration into another.
+void restore(StereoConfig& config, const StereoConfig& from, const std::string& name) {
+  const dynamic_reconfigure::Config source = to_message(from);
+  dynamic_reconfigure::Config target = to_message(config);
+  const auto copy = [&](const auto& in, auto& out) {
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      if (in[i].name == name) out[i] = in[i];
+    }
+  };
+  copy(source.ints, target.ints);
+  copy(source.doubles, target.doubles);
+  copy(source.strs, target.strs);
+  copy(source.bools, target.bools);
+  config.__fromMessage__(target);
+}
+
+}  // namespace
+
+SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
+                                std::vector<std::string>& refusals) {
+  SyncSettings settings;
+  const SyncSettings defaults;
+  private_nh.param("approximate_sync", settings.approximate_sync, defaults.approximate_sync);
+  private_nh.param("queue_size", settings.queue_size, defaults.queue_size);
+  private_nh.param("sync_tolerance", settings.sync_tolerance, defaults.sync_tolerance);
+  if (settings.queue_size < 1 || settings.queue_size > 1000) {
+    refusals.push_back(refusal("queue_size", text_of(settings.queue_size), "1 to 1000",
+                               text_of(defaults.queue_size)));
+    settings.queue_size = defaults.queue_size;
+  }
+  if (!(settings.sync_tolerance > 0 && settings.sync_tolerance <= 10)) {
+    refusals.push_back(refusal("sync_tolerance", text_of(settings.sync_tolerance),
+                               "more than 0 to 10 (s)", text_of(defaults.sync_tolerance)));
+    settings.sync_tolerance = defaults.sync_tolerance;
+  }
+  return settings;
+}
+
+std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh) {
+  std::vector<std::string> refusals;
+  for (const auto& [name, default_value] : texts(StereoConfig::__getDefault__())) {
+    XmlRpc::XmlRpcValue value;
+    if (!private_nh.getParam(name, value)) continue;
+    const std::string text = text_of(value);
+    const std::string allowed = allowed_unless(name, text);
+    if (allowed.empty()) continue;
+    refusals.push_back(refusal(name, text, allowed, default_value));
+    private_nh.deleteParam(name);
+  }
+  return refusals;
+}
+
+std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh) {
+  std::vector<std::string> names;
+  for (const char* name : {"stereo_algorithm", "prefilter_size", "prefilter_cap",
+                           "texture_threshold", "fullDP", "P1", "P2", "downsampling_factor"}) {
+    if (private_nh.hasParam(name)) names.emplace_back(name);
+  }
+  return names;
+}
+
+Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
+                     std::vector<std::string>& refusals) {
+  const auto fallback = texts(accepted);
+  for (const auto& [name, value] : texts(config)) {
+    const std::string allowed = allowed_unless(name, value);
+    if (allowed.empty()) continue;
+    refusals.push_back(refusal(name, value, allowed, fallback.at(name)));
+    restore(config, accepted, name);
+  }
+
+  Settings settings;
+  const auto values = texts(config);
+  for (const ParameterInfo& info : parameter_table()) {
+    // Cannot fail: every value has just been checked.
+    (void)set_parameter(settings.pipeline, info.name, values.at(info.name));
+  }
+  settings.cloud.color = config.cloud_fields == "rgb"    ? PointColor::kRgb
+                         : config.cloud_fields == "mono" ? PointColor::kMono
+                                                         : PointColor::kNone;
+  settings.cloud.padded = config.cloud_padded;
+  settings.cloud.organized = config.cloud_organized;
+  settings.cloud.decimation = config.cloud_decimation;
+  settings.cloud_max_rate = config.cloud_max_rate;
+  settings.depth_encoding =
+      config.depth_encoding == "16UC1" ? DepthEncoding::kMillimetres : DepthEncoding::kMetres;
+  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  settings.num_threads = config.num_threads == 0 ? cores : config.num_threads;
+  return settings;
+}
+
+}  // namespace fpga_stereo
