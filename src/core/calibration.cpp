@@ -136,12 +136,12 @@ ExactMap exact_map(const std::array<double, 9>& homography, double shift_x) {
 }
 
 Status validate(const CameraCalibration& camera, const std::string& name) {
-  if (Status status = validate_size(camera, name); !status) return status;
   if (camera.K[0] == 0) {
     return error(ErrorKind::kUncalibrated, name,
                  " camera is uncalibrated: camera_info K[0] = 0; calibrate it first, for example "
                  "with camera_calibration");
   }
+  if (Status status = validate_size(camera, name); !status) return status;
   const std::pair<const char*, bool> fields[] = {{"K", all_finite(camera.K)},
                                                  {"D", all_finite(camera.D)},
                                                  {"R", all_finite(camera.R)},
@@ -166,10 +166,15 @@ Status validate(const CameraCalibration& camera, const std::string& name) {
   }
   const cv::Matx33d R(camera.R.data());
   const double off = cv::norm(R * R.t() - cv::Matx33d::eye());
-  if (off > 1e-2) {
+  if (off > 1e-2 || cv::determinant(R) < 0) {
     return error(ErrorKind::kCalibration, name,
-                 " camera_info R is no rotation: |R R^T - I| = ", off,
-                 ": allowed up to 0.01; without rectification R is the identity");
+                 " camera_info R is no rotation: |R R^T - I| = ", off, ", determinant ",
+                 cv::determinant(R),
+                 ": allowed are up to 0.01, and 1; without rectification R is the identity");
+  }
+  if (camera.P[10] != 1 || camera.P[8] != 0 || camera.P[9] != 0) {
+    return error(ErrorKind::kCalibration, name, " camera_info P has the third row ", camera.P[8],
+                 " ", camera.P[9], " ", camera.P[10], ": allowed 0 0 1");
   }
   return validate_distortion(camera, name);
 }

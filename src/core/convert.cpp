@@ -44,8 +44,8 @@ void to_float(const cv::Mat1w& disparity, double offset, float invalid, cv::Mat1
 void to_depth(const cv::Mat1w& disparity, const Reprojection& r, cv::Mat1f& out) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   auto table = lookup<float>([&](double value) {
-    const double d = value + r.offset;
-    return d > 0 ? static_cast<float>(r.fx * r.baseline / d) : kNone;
+    const auto depth = static_cast<float>(r.fx * r.baseline / (value + r.offset));
+    return depth > 0 && std::isfinite(depth) ? depth : kNone;
   });
   table[kNoDisparity] = kNone;
   apply(disparity, table, out);

@@ -29,7 +29,7 @@ std::string number(double value) {
 template <class T>
 bool parse(const std::string& text, T& value) {
   std::istringstream stream(text);
-  return stream >> value && stream.eof();
+  return stream >> std::noskipws >> value && stream.eof();
 }
 
 bool parse(const std::string& text, bool& value) {

@@ -78,8 +78,8 @@ MeshDeviation deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw) {
 
 BufferNeed buffer_need(const Mesh& mesh, cv::Size raw) {
   // Raster numbers of raw pixels relative to the rectified pixel that reads them.
-  std::int64_t oldest = 0;
-  std::int64_t newest = 0;
+  std::int64_t oldest = std::numeric_limits<std::int64_t>::max();
+  std::int64_t newest = std::numeric_limits<std::int64_t>::min();
   BufferNeed need;
   for (int y = 0; y < mesh.size.height; ++y) {
     const MeshRow row(mesh, y);
@@ -97,7 +97,8 @@ BufferNeed buffer_need(const Mesh& mesh, cv::Size raw) {
       newest = std::max(newest, std::int64_t{bottom} * raw.width + right - now);
     }
   }
-  need.read_start = newest + 1;
+  if (newest < oldest) return need;  // nothing of the raw image is seen
+  need.read_start = std::max<std::int64_t>(0, newest + 1);
   need.rows = static_cast<int>((need.read_start - oldest + raw.width - 1) / raw.width);
   return need;
 }

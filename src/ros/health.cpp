@@ -52,15 +52,9 @@ StereoStatus Health::report(bool restart) {
   StereoStatus s;
   s.frames_in = in_;
   s.frames_published = published_;
-  const auto dropped = [&](DropCause cause) { return dropped_[static_cast<std::size_t>(cause)]; };
-  s.dropped_unsynchronized = dropped(DropCause::kUnsynchronized);
-  s.dropped_replaced = dropped(DropCause::kReplaced);
-  s.dropped_unwanted = dropped(DropCause::kUnwanted);
-  s.dropped_stamp = dropped(DropCause::kStamp);
-  s.dropped_encoding = dropped(DropCause::kEncoding);
-  s.dropped_image_size = dropped(DropCause::kImageSize);
-  s.dropped_uncalibrated = dropped(DropCause::kUncalibrated);
-  s.dropped_calibration = dropped(DropCause::kCalibration);
+  for (std::size_t cause = 0; cause < dropped_.size(); ++cause) {
+    s.*kDropCauses[cause].field = dropped_[cause];
+  }
 
   const ros::WallTime now = ros::WallTime::now();
   if (frames_ > 0) {

@@ -133,6 +133,8 @@ void StereoNodelet::on_timer() {
   status.source = SoftwareSource::kName;
   status.state = state();
   status_.publish(status);
+  // Forced: update() keeps to ROS time, which stands still while a bag is paused.
+  updater_->force_update();
 
   const std::string why = health_.anyone_listens() && source_ ? source_->complaint() : "";
   const ros::WallTime now = ros::WallTime::now();
@@ -158,14 +160,9 @@ void StereoNodelet::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report
   report.add("latency (ms)", s.latency_ms);
   report.add("frames in", s.frames_in);
   report.add("frames published", s.frames_published);
-  report.add("dropped: not synchronised", s.dropped_unsynchronized);
-  report.add("dropped: replaced by a newer frame", s.dropped_replaced);
-  report.add("dropped: nobody listens", s.dropped_unwanted);
-  report.add("dropped: stamp", s.dropped_stamp);
-  report.add("dropped: encoding", s.dropped_encoding);
-  report.add("dropped: image size", s.dropped_image_size);
-  report.add("dropped: uncalibrated", s.dropped_uncalibrated);
-  report.add("dropped: calibration", s.dropped_calibration);
+  for (const DropCauseInfo& cause : kDropCauses) {
+    report.add(std::string("dropped: ") + cause.words, s.*cause.field);
+  }
 }
 
 }  // namespace fpga_stereo

@@ -31,8 +31,9 @@ struct Cloud {
 };
 
 /// Points in metres: x right, y down, z forward from the left camera. `color` is the left
-/// rectified image, 8UC1 or 8UC3 (bgr), and also fills points without a place. A point is valid
-/// where there is a disparity and its depth is positive.
+/// rectified image, 8UC1 or 8UC3 (bgr), of the size of the disparity (may be empty for kNone); it
+/// also fills points without a place. A point is valid where there is a disparity and its depth is
+/// positive. layout.decimation must be 1 or more.
 void to_cloud(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
               const CloudLayout& layout, Cloud& out);
 

@@ -25,9 +25,22 @@ enum class DropCause {
   kUncalibrated,
   kCalibration,
 };
-constexpr std::array<const char*, 8> kDropCauseNames{"unsynchronized", "replaced",   "unwanted",
-                                                     "stamp",          "encoding",   "image size",
-                                                     "uncalibrated",   "calibration"};
+
+/// By DropCause: its words, and its field in the status message.
+struct DropCauseInfo {
+  const char* words;
+  std::uint64_t StereoStatus::*field;
+};
+constexpr std::array<DropCauseInfo, 8> kDropCauses{{
+    {"not synchronised", &StereoStatus::dropped_unsynchronized},
+    {"replaced by a newer frame", &StereoStatus::dropped_replaced},
+    {"nobody listens any more", &StereoStatus::dropped_unwanted},
+    {"stamp", &StereoStatus::dropped_stamp},
+    {"encoding", &StereoStatus::dropped_encoding},
+    {"image size", &StereoStatus::dropped_image_size},
+    {"uncalibrated", &StereoStatus::dropped_uncalibrated},
+    {"calibration", &StereoStatus::dropped_calibration},
+}};
 
 /// The cause that an error of core stands for.
 DropCause cause_of(ErrorKind kind);
@@ -52,7 +65,7 @@ class Health {
  private:
   mutable std::mutex mutex_;
   std::uint64_t in_ = 0, published_ = 0;
-  std::array<std::uint64_t, kDropCauseNames.size()> dropped_{};
+  std::array<std::uint64_t, kDropCauses.size()> dropped_{};
   std::string refusal_;
   bool listening_ = false;
 
