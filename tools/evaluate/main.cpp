@@ -1,0 +1,172 @@
+// evaluate DIR: bad pixels on the four pairs of the Middlebury stereo evaluation, version 2.
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "evaluate/report.hpp"
+#include "fpga_stereo/core/convert.hpp"
+#include "fpga_stereo/core/pipeline.hpp"
+#include "support/files.hpp"
+#include "support/parameter_options.hpp"
+#include "support/program.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace po = boost::program_options;
+
+CommandLine command_line() {
+  CommandLine line;
+  line.usage =
+      "Usage: evaluate DIR [options]\n"
+      "Counts bad pixels, more than 1.0 px off the ground truth, on the Middlebury stereo\n"
+      "evaluation, version 2. DIR holds tsukuba, venus, teddy and cones; each of them holds\n"
+      "imL.png, imR.png, groundtruth.png, nonocc.png, all.png and disc.png.\n"
+      "Configurations, for both census patterns unless --census_pattern is given:\n"
+      "  dense       no check, no spike filter, whole pixels; percent of nonocc, all and disc\n"
+      "  filled      the parameters as given or by default; holes take the smaller of the\n"
+      "              nearest disparities to their left and right; the same percentages\n"
+      "  semi-dense  the parameters as given or by default; bad percent of the nonocc pixels\n"
+      "              that have a disparity, and how many have one (coverage)\n"
+      "Every pair is searched over the range of the benchmark (16, 20, 60 and 60 disparities)\n"
+      "unless --disparity_range is given.\n";
+  line.positional = {"DIR"};
+  line.options.add_options()("csv", po::value<std::string>()->value_name("FILE"),
+                             "write the table as comma-separated values, too");
+  line.options.add_options()(
+      "pictures", po::value<std::string>()->value_name("DIR"),
+      "write pictures of every disparity and its errors: black = right, white = bad, "
+      "grey = not evaluated");
+  add_threads_option(line.options);
+  line.options.add(parameter_options());
+  return line;
+}
+
+struct Evaluation {
+  std::string pictures;  // folder, or empty
+  int num_threads = 1;
+  Parameters given;
+  bool range_given = false;
+};
+
+std::string pattern_name(CensusPattern pattern) {
+  return pattern == CensusPattern::kFull ? "full" : "sparse";
+}
+
+void write_pictures(const Evaluation& evaluation, const MiddleburyPair& pair,
+                    const std::string& configuration, Region region, bool holes_count,
+                    const cv::Mat1w& disparity, const Parameters& p) {
+  if (evaluation.pictures.empty()) return;
+  const std::string stem = concat(evaluation.pictures, "/", pair.scene.name, "_",
+                                  pattern_name(p.census_pattern), "_", configuration);
+  cv::Mat3b picture;
+  to_color(disparity, p.disparity_range, picture);
+  write_image(stem + "_disparity.png", picture);
+  write_image(stem + "_errors.png",
+              error_picture(pair, region, disparity, p.min_disparity, holes_count));
+}
+
+/// Rows nonocc, all, disc and their mean of a configuration that gives every pixel a disparity.
+void add_regions(const MiddleburyPair& pair, std::size_t scene, const cv::Mat1w& disparity,
+                 int min_disparity, ReportRow* rows) {
+  for (const Region region : {kNonOccluded, kAll, kDiscontinuities}) {
+    const double bad = score(pair, region, disparity, min_disparity).bad_of_all();
+    rows[region].scenes[scene] = bad;
+    rows[kRegionNames.size()].scenes[scene] += bad / static_cast<double>(kRegionNames.size());
+  }
+}
+
+/// The rows of one pattern, all zero.
+std::vector<ReportRow> empty_rows(const std::string& pattern) {
+  std::vector<ReportRow> rows;
+  for (const std::string configuration : {"dense", "filled"}) {
+    for (const char* region : kRegionNames) rows.push_back({pattern, configuration, region});
+    rows.push_back({pattern, configuration, "mean"});
+  }
+  rows.push_back({pattern, "semi-dense", "nonocc"});
+  rows.push_back({pattern, "semi-dense", "coverage"});
+  return rows;
+}
+
+void evaluate_pair(const Evaluation& evaluation, const MiddleburyPair& pair, std::size_t scene,
+                   Parameters p, std::vector<ReportRow>& rows) {
+  constexpr std::size_t kDenseRow = 0, kFilledRow = 4, kSemiDenseRow = 8, kCoverageRow = 9;
+  if (!evaluation.range_given) p.disparity_range = pair.scene.disparity_range;
+  StereoGeometry geometry;
+  geometry.image_size = pair.left.size();
+  const StereoRectification none = no_rectification(geometry, p.min_disparity);
+  const std::string prefix = std::string(pair.scene.name) + ": ";
+  require(validate_image(pair.left, none, "left"), prefix);
+  Pipeline pipeline;
+
+  Parameters dense = p;
+  dense.left_right_check = dense.uniqueness_check = dense.subpixel = false;
+  dense.speckle_size = 0;
+  cv::Mat1w disparity =
+      pipeline.process(pair.left, pair.right, none, dense, evaluation.num_threads).disparity;
+  add_regions(pair, scene, disparity, p.min_disparity, &rows[kDenseRow]);
+  write_pictures(evaluation, pair, "dense", kAll, true, disparity, p);
+
+  disparity = pipeline.process(pair.left, pair.right, none, p, evaluation.num_threads).disparity;
+  const Score semi_dense = score(pair, kNonOccluded, disparity, p.min_disparity);
+  rows[kSemiDenseRow].scenes[scene] = semi_dense.bad_of_valid();
+  rows[kCoverageRow].scenes[scene] = semi_dense.coverage();
+  write_pictures(evaluation, pair, "semi-dense", kNonOccluded, false, disparity, p);
+
+  disparity = fill_holes(disparity);
+  add_regions(pair, scene, disparity, p.min_disparity, &rows[kFilledRow]);
+  write_pictures(evaluation, pair, "filled", kAll, true, disparity, p);
+}
+
+void evaluate(const Arguments& arguments) {
+  const auto parsed = parse(command_line(), arguments);
+  if (!parsed) return;
+  const po::variables_map& options = parsed->options;
+  Evaluation evaluation;
+  evaluation.given = parameters_from(options);
+  evaluation.range_given = options.count("disparity_range") != 0;
+  evaluation.num_threads = threads(options);
+  std::vector<CensusPattern> patterns{CensusPattern::kSparse, CensusPattern::kFull};
+  if (options.count("census_pattern") != 0) patterns = {evaluation.given.census_pattern};
+
+  std::vector<MiddleburyPair> pairs;
+  for (const MiddleburyScene& scene : kMiddleburyScenes) {
+    pairs.push_back(read_pair(parsed->positional[0], scene));
+  }
+  if (options.count("pictures") != 0) {
+    evaluation.pictures = options["pictures"].as<std::string>();
+    create_folder(evaluation.pictures);
+  }
+  std::ofstream csv;
+  if (options.count("csv") != 0) {
+    csv.open(options["csv"].as<std::string>());
+    if (!csv) throw std::runtime_error(options["csv"].as<std::string>() + ": cannot be written");
+  }
+
+  Progress progress("evaluate", patterns.size() * pairs.size());
+  std::vector<ReportRow> all_rows;
+  for (const CensusPattern pattern : patterns) {
+    std::vector<ReportRow> rows = empty_rows(pattern_name(pattern));
+    Parameters p = evaluation.given;
+    p.census_pattern = pattern;
+    for (std::size_t scene = 0; scene < pairs.size(); ++scene) {
+      evaluate_pair(evaluation, pairs[scene], scene, p, rows);
+      progress.done(concat(pairs[scene].scene.name, " ", pattern_name(pattern)));
+    }
+    all_rows.insert(all_rows.end(), rows.begin(), rows.end());
+  }
+  std::cout << "Bad pixels (more than 1.0 px off), and coverage, percent\n";
+  print_table(all_rows, std::cout);
+  if (csv.is_open()) {
+    print_csv(all_rows, csv);
+    csv.close();
+    if (!csv) throw std::runtime_error(options["csv"].as<std::string>() + ": cannot be written");
+  }
+}
+
+}  // namespace
+}  // namespace fpga_stereo::tools
+
+int main(int argc, char** argv) {
+  return fpga_stereo::tools::run_program("evaluate", argc, argv, fpga_stereo::tools::evaluate);
+}

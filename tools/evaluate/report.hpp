@@ -1,0 +1,28 @@
+// The numbers of an evaluation and how they are shown.
+#pragma once
+
+#include <array>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "support/middlebury.hpp"
+
+namespace fpga_stereo::tools {
+
+/// One measure over the scenes, percent.
+struct ReportRow {
+  std::string pattern;        // census pattern
+  std::string configuration;  // dense, filled, semi-dense
+  std::string measure;        // nonocc, all, disc, mean, coverage
+  std::array<double, kMiddleburyScenes.size()> scenes{};
+
+  double average() const;
+};
+
+/// Aligned columns for people, two decimals.
+void print_table(const std::vector<ReportRow>& rows, std::ostream& out);
+/// The same as comma-separated values, four decimals.
+void print_csv(const std::vector<ReportRow>& rows, std::ostream& out);
+
+}  // namespace fpga_stereo::tools

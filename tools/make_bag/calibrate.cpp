@@ -1,0 +1,185 @@
+// make_bag calibrate: chessboard pairs -> camera_info of both cameras.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <regex>
+
+#include "make_bag/modes.hpp"
+#include "support/files.hpp"
+#include "support/stereo_info.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace po = boost::program_options;
+using Strings = std::vector<std::string>;
+using Corners = std::vector<cv::Point2f>;
+
+constexpr std::size_t kFewestPairs = 3;
+
+CommandLine command_line() {
+  CommandLine line;
+  line.usage =
+      "Usage: make_bag calibrate --left IMAGES --right IMAGES --board 9x6 --square METRES\n"
+      "                          --left-info OUT.yaml --right-info OUT.yaml\n"
+      "Calibrates a stereo camera from pictures of a chessboard: each camera alone, then both\n"
+      "together, then rectification without black borders. Prints the reprojection error and,\n"
+      "after rectification, how much the rows of left and right corners differ.\n"
+      "IMAGES: files, folders or quoted patterns; both sides are sorted by name, and the n-th\n"
+      "left belongs to the n-th right image. At least 3 pairs must show the whole board.\n";
+  const auto option = [&](const char* name, auto* value, const char* about) {
+    line.options.add_options()(name, value->required(), about);
+  };
+  option("left", po::value<Strings>()->multitoken()->value_name("IMAGES"), "left images");
+  option("right", po::value<Strings>()->multitoken()->value_name("IMAGES"), "right images");
+  option("board", po::value<std::string>()->value_name("CxR"),
+         "inner corners of the board, columns x rows");
+  option("square", po::value<double>()->value_name("METRES"),
+         "side of a square of the board, m [0.0001 to 100]");
+  option("left-info", po::value<std::string>()->value_name("YAML"), "file to write, left");
+  option("right-info", po::value<std::string>()->value_name("YAML"), "file to write, right");
+  return line;
+}
+
+cv::Size board_size(const std::string& text) {
+  std::smatch match;
+  if (std::regex_match(text, match, std::regex("([0-9]{1,3})x([0-9]{1,3})"))) {
+    const cv::Size board(std::stoi(match[1]), std::stoi(match[2]));
+    if (board.width >= 3 && board.height >= 3) return board;
+  }
+  throw UsageError(concat("--board = \"", text, "\": allowed COLUMNSxROWS, each 3 to 999"));
+}
+
+void require_yaml(const std::string& option, const std::string& path) {
+  if (std::regex_search(path, std::regex("\\.(yaml|yml)$"))) return;
+  throw UsageError(concat(option, " \"", path, "\": allowed is a file .yaml or .yml"));
+}
+
+/// What the pairs on which both cameras see the board show.
+struct Views {
+  cv::Size size;  // of the images
+  std::vector<Corners> left, right;
+};
+
+/// Empty if the board is not found.
+Corners find_board(const cv::Mat1b& image, cv::Size board) {
+  Corners corners;
+  if (!cv::findChessboardCorners(image, board, corners)) return {};
+  // 11 x 11 px around a corner, less where that would reach other corners.
+  double spacing = cv::norm(corners[1] - corners[0]);
+  for (std::size_t i = 2; i < corners.size(); ++i) {
+    spacing = std::min(spacing, cv::norm(corners[i] - corners[i - 1]));
+  }
+  const int radius = std::clamp(static_cast<int>(spacing / 2), 2, 5);
+  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
+  cv::cornerSubPix(image, corners, {radius, radius}, {-1, -1}, until);
+  return corners;
+}
+
+Views find_boards(const Strings& left, const Strings& right, cv::Size board) {
+  Views views;
+  Progress progress("make_bag", left.size());
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    Corners corners[2];
+    for (const int side : {0, 1}) {
+      const std::string& path = side == 0 ? left[i] : right[i];
+      const cv::Mat1b image = read_grey(path);
+      if (views.size.empty()) views.size = image.size();
+      if (image.size() != views.size) {
+        throw std::runtime_error(concat(path, ": is ", image.cols, "x", image.rows, ": ", left[0],
+                                        " is ", views.size.width, "x", views.size.height));
+      }
+      corners[side] = find_board(image, board);
+      if (corners[side].empty()) {
+        std::cerr << "make_bag: " << path << ": no board of " << board.width << "x" << board.height
+                  << " inner corners: the pair is left out\n";
+      }
+    }
+    if (!corners[0].empty() && !corners[1].empty()) {
+      views.left.push_back(corners[0]);
+      views.right.push_back(corners[1]);
+    }
+    progress.done(left[i]);
+  }
+  return views;
+}
+
+/// RMS of the difference between the rows of left and right corners after rectification, px.
+double row_difference(const Views& views, const StereoInfo& info) {
+  const auto rectified = [](const Corners& corners, const sensor_msgs::CameraInfo& camera) {
+    Corners result;
+    cv::undistortPoints(corners, result, cv::Matx33d(camera.K.data()), camera.D,
+                        cv::Matx33d(camera.R.data()), cv::Matx34d(camera.P.data()));
+    return result;
+  };
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < views.left.size(); ++i) {
+    const Corners left = rectified(views.left[i], info.left);
+    const Corners right = rectified(views.right[i], info.right);
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      const double difference = left[k].y - right[k].y;
+      sum += difference * difference;
+    }
+    count += left.size();
+  }
+  return std::sqrt(sum / static_cast<double>(count));
+}
+
+}  // namespace
+
+void calibrate(const Arguments& arguments) {
+  const auto parsed = parse(command_line(), arguments);
+  if (!parsed) return;
+  const po::variables_map& options = parsed->options;
+  const auto text = [&](const char* name) { return options[name].as<std::string>(); };
+  const cv::Size board = board_size(text("board"));
+  const double square = options["square"].as<double>();
+  require_range("--square", square, 0.0001, 100);
+  require_yaml("--left-info", text("left-info"));
+  require_yaml("--right-info", text("right-info"));
+  const Strings left_paths = list_images("--left", options["left"].as<Strings>());
+  const Strings right_paths = list_images("--right", options["right"].as<Strings>());
+  if (left_paths.size() != right_paths.size()) {
+    throw std::runtime_error(concat("--left gives ", left_paths.size(), " images and --right ",
+                                    right_paths.size(), ": the numbers must be equal"));
+  }
+
+  const Views views = find_boards(left_paths, right_paths, board);
+  if (views.left.size() < kFewestPairs) {
+    throw std::runtime_error(concat("the board is found in ", views.left.size(), " of ",
+                                    left_paths.size(), " pairs: at least ", kFewestPairs,
+                                    " are needed"));
+  }
+  std::vector<cv::Point3f> corners;
+  for (int row = 0; row < board.height; ++row) {
+    for (int column = 0; column < board.width; ++column) {
+      corners.emplace_back(static_cast<float>(column * square), static_cast<float>(row * square),
+                           0.0F);
+    }
+  }
+  const std::vector<std::vector<cv::Point3f>> world(views.left.size(), corners);
+  Intrinsics left, right;
+  std::vector<cv::Mat> rotations, translations;
+  cv::calibrateCamera(world, views.left, views.size, left.K, left.D, rotations, translations);
+  cv::calibrateCamera(world, views.right, views.size, right.K, right.D, rotations, translations);
+  cv::Matx33d R;
+  cv::Vec3d T;
+  cv::Mat E, F;
+  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-6);
+  const double rms =
+      cv::stereoCalibrate(world, views.left, views.right, left.K, left.D, right.K, right.D,
+                          views.size, R, T, E, F, cv::CALIB_USE_INTRINSIC_GUESS, until);
+  const StereoInfo info = calibrated_info(views.size, left, right, R, T);
+  write_camera_info(text("left-info"), "left", info.left);
+  write_camera_info(text("right-info"), "right", info.right);
+  std::cout << "pairs used: " << views.left.size() << " of " << left_paths.size() << "\n"
+            << "reprojection error: " << rms << " px RMS\n"
+            << "row difference after rectification: " << row_difference(views, info) << " px RMS\n"
+            << "rectified focal length: " << info.left.P[0]
+            << " px, baseline: " << -info.right.P[3] / info.right.P[0] << " m\n";
+}
+
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,196 @@
+// make_bag extract: bag -> image, calibration and disparity files.
+#include <cv_bridge/cv_bridge.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/image_encodings.h>
+#include <stereo_msgs/DisparityImage.h>
+
+#include <iomanip>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "make_bag/modes.hpp"
+#include "support/files.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace enc = sensor_msgs::image_encodings;
+using Stamps = std::set<ros::Time>;
+
+CommandLine command_line() {
+  CommandLine line;
+  line.usage =
+      "Usage: make_bag extract IN.bag OUT_DIR [options]\n"
+      "Writes left/NNNNNN.png and right/NNNNNN.png, lossless, for every pair of images with the\n"
+      "same stamp on /CAMERA/left/image_raw and /CAMERA/right/image_raw, in order of their\n"
+      "stamps; left.yaml and right.yaml from camera_info; and disparity/NNNNNN.pfm (float, px,\n"
+      "inf = no disparity) from /CAMERA/disparity if the bag has it. Images without a partner\n"
+      "are named. A Bayer image is written as it is, in grey.\n";
+  line.positional = {"IN.bag", "OUT_DIR"};
+  add_camera_option(line.options);
+  return line;
+}
+
+/// Pixels as cv::imwrite wants them. Throws if that would lose something.
+cv::Mat to_picture(const sensor_msgs::ImageConstPtr& message) {
+  const std::string& encoding = message->encoding;
+  const bool known = encoding == enc::TYPE_8UC1 || encoding == enc::TYPE_8UC3 ||
+                     encoding == enc::TYPE_16UC1 || enc::isMono(encoding) ||
+                     enc::isColor(encoding) || enc::isBayer(encoding);
+  if (!known)
+    throw std::runtime_error("encoding \"" + encoding + "\": allowed mono, bgr, rgb, " +
+                             "bgra, rgba and bayer of 8 or 16 bits");
+  cv::Mat image = cv_bridge::toCvShare(message)->image;
+  if (encoding == enc::RGB8 || encoding == enc::RGB16) {
+    cv::cvtColor(image, image, cv::COLOR_RGB2BGR);
+  } else if (encoding == enc::RGBA8 || encoding == enc::RGBA16) {
+    cv::cvtColor(image, image, cv::COLOR_RGBA2BGRA);
+  }
+  return image;
+}
+
+cv::Mat1f to_disparities(const stereo_msgs::DisparityImage& message) {
+  const auto image = cv_bridge::toCvCopy(message.image, enc::TYPE_32FC1)->image;
+  cv::Mat1f disparity = image;
+  // A value below min_disparity says that there is none.
+  for (float& value : disparity) {
+    if (!(value >= message.min_disparity)) value = std::numeric_limits<float>::infinity();
+  }
+  return disparity;
+}
+
+/// One bag, one camera, one output folder.
+class Extraction {
+ public:
+  Extraction(std::string bag_path, std::string folder, const std::string& camera)
+      : bag_path_(std::move(bag_path)), folder_(std::move(folder)), prefix_("/" + camera) {
+    bag_.open(bag_path_, rosbag::bagmode::Read);
+  }
+
+  void run() {
+    const Stamps left = stamps<sensor_msgs::Image>(topic("left/image_raw"));
+    const Stamps right = stamps<sensor_msgs::Image>(topic("right/image_raw"));
+    const Stamps disparities = stamps<stereo_msgs::DisparityImage>(topic("disparity"));
+    require_topic(left, "left/image_raw");
+    require_topic(right, "right/image_raw");
+    for (const ros::Time& stamp : left) {
+      if (right.count(stamp) != 0) numbers_.emplace(stamp, numbers_.size());
+    }
+    name_unpaired(left, "left/image_raw", "no right image");
+    name_unpaired(right, "right/image_raw", "no left image");
+    name_unpaired(disparities, "disparity", "no pair of images");
+    if (numbers_.empty()) throw std::runtime_error("no left and right image have the same stamp");
+
+    for (const std::string side : {"left", "right"}) {
+      write<sensor_msgs::Image>(topic(side + "/image_raw"), side, ".png",
+                                [](const auto& message) { return to_picture(message); });
+      write_info(side);
+    }
+    if (disparities.empty()) return;
+    write<stereo_msgs::DisparityImage>(
+        topic("disparity"), "disparity", ".pfm",
+        [](const auto& message) { return to_disparities(*message); });
+  }
+
+ private:
+  std::string topic(const std::string& name) const { return prefix_ + "/" + name; }
+
+  template <class Message>
+  Stamps stamps(const std::string& name) {
+    Stamps found;
+    rosbag::View view(bag_, rosbag::TopicQuery(name));
+    for (const rosbag::MessageInstance& instance : view) {
+      const auto message = instance.instantiate<Message>();
+      if (message == nullptr) {
+        throw std::runtime_error(concat("topic ", name, " has messages of type ",
+                                        instance.getDataType(), ": allowed ",
+                                        ros::message_traits::DataType<Message>::value()));
+      }
+      found.insert(message->header.stamp);
+    }
+    return found;
+  }
+
+  void require_topic(const Stamps& found, const std::string& name) {
+    if (!found.empty()) return;
+    std::set<std::string> known;
+    for (const rosbag::ConnectionInfo* c : rosbag::View(bag_).getConnections()) {
+      known.insert(c->topic);
+    }
+    std::string text = "there is no message on " + topic(name) + "; the topics of the bag are:";
+    for (const std::string& each : known) text += " " + each;
+    throw std::runtime_error(text);
+  }
+
+  void name_unpaired(const Stamps& found, const std::string& name, const std::string& why) {
+    for (const ros::Time& stamp : found) {
+      if (numbers_.count(stamp) != 0) continue;
+      std::cerr << "make_bag: " << topic(name) << " of " << stamp << " is left out: " << why
+                << " has this stamp\n";
+    }
+  }
+
+  template <class Message, class Convert>
+  void write(const std::string& name, const std::string& subfolder, const std::string& extension,
+             const Convert& convert) {
+    create_folder(folder_ + "/" + subfolder);
+    Progress progress("make_bag", numbers_.size());
+    rosbag::View view(bag_, rosbag::TopicQuery(name));
+    for (const rosbag::MessageInstance& instance : view) {
+      const auto message = instance.instantiate<Message>();
+      const auto number = numbers_.find(message->header.stamp);
+      if (number == numbers_.end()) continue;
+      std::ostringstream path;
+      path << folder_ << "/" << subfolder << "/" << std::setw(6) << std::setfill('0')
+           << number->second << extension;
+      try {
+        write_image(path.str(), convert(message));
+      } catch (const cv_bridge::Exception& e) {
+        throw std::runtime_error(concat(name, " of ", message->header.stamp, ": ", e.what()));
+      }
+      progress.done(path.str());
+    }
+  }
+
+  void write_info(const std::string& side) {
+    const std::string name = topic(side + "/camera_info");
+    rosbag::View view(bag_, rosbag::TopicQuery(name));
+    for (const rosbag::MessageInstance& instance : view) {
+      const auto info = instance.instantiate<sensor_msgs::CameraInfo>();
+      if (info == nullptr) break;
+      if (info->binning_x > 1 || info->binning_y > 1 || info->roi.width != 0) {
+        std::cerr << "make_bag: " << name << ": binning and region of interest have no place in "
+                  << side << ".yaml and are left out\n";
+      }
+      return write_camera_info(folder_ + "/" + side + ".yaml", side, *info);
+    }
+    std::cerr << "make_bag: there is no camera_info on " << name << ": no " << side << ".yaml\n";
+  }
+
+  std::string bag_path_, folder_, prefix_;
+  rosbag::Bag bag_;
+  std::map<ros::Time, std::size_t> numbers_;  // of the pairs, by stamp
+};
+
+}  // namespace
+
+void extract_bag(const Arguments& arguments) {
+  const auto parsed = parse(command_line(), arguments);
+  if (!parsed) return;
+  const std::string camera = camera_name(parsed->options);
+  const std::string& path = parsed->positional[0];
+  try {
+    Extraction(path, parsed->positional[1], camera).run();
+  } catch (const UsageError&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw std::runtime_error(concat(path, ": cannot be extracted: ", e.what()));
+  }
+}
+
+}  // namespace fpga_stereo::tools

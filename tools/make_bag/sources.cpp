@@ -1,0 +1,151 @@
+#include "make_bag/sources.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+
+#include "support/files.hpp"
+#include "support/program.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNsPerSecond = 1e9;
+
+struct Sensor {
+  cv::Size size;
+  Intrinsics camera;
+  cv::Matx44d body_from_sensor;  // T_BS, metres
+};
+
+/// The numbers of a list in YAML, which must be `count`.
+std::vector<double> numbers(const std::string& path, const cv::FileNode& node,
+                            const std::string& name, std::size_t count) {
+  std::vector<double> values;
+  if (node.isSeq()) {
+    for (const cv::FileNode& item : node) values.push_back(static_cast<double>(item));
+  }
+  if (values.size() != count) {
+    throw std::runtime_error(
+        concat(path, ": ", name, " has ", values.size(), " numbers: allowed ", count));
+  }
+  return values;
+}
+
+void require_text(const std::string& path, const cv::FileStorage& file, const std::string& name,
+                  const std::vector<std::string>& allowed) {
+  const std::string value = file[name].isString() ? file[name].string() : "";
+  if (std::find(allowed.begin(), allowed.end(), value) != allowed.end()) return;
+  throw std::runtime_error(
+      concat(path, ": ", name, " is \"", value, "\": allowed \"", allowed[0], "\""));
+}
+
+Sensor read_sensor(const std::string& path) {
+  std::ifstream stream(path);
+  if (!stream) throw std::runtime_error(path + ": cannot be read");
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  // Without this first line, which the dataset's own files lack, OpenCV does not read YAML.
+  if (text.rfind("%YAML", 0) != 0) text.insert(0, "%YAML:1.0\n---\n");
+  cv::FileStorage file;
+  try {
+    file.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+  } catch (const cv::Exception& e) {
+    throw std::runtime_error(concat(path, ": is no YAML that can be read: ", e.err));
+  }
+  require_text(path, file, "camera_model", {"pinhole"});
+  require_text(path, file, "distortion_model", {"radial-tangential", "radtan"});
+  Sensor sensor;
+  const auto size = numbers(path, file["resolution"], "resolution", 2);
+  sensor.size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+  const auto k = numbers(path, file["intrinsics"], "intrinsics", 4);
+  sensor.camera.K = {k[0], 0, k[2], 0, k[1], k[3], 0, 0, 1};
+  sensor.camera.D = numbers(path, file["distortion_coefficients"], "distortion_coefficients", 4);
+  sensor.body_from_sensor =
+      cv::Matx44d(numbers(path, file["T_BS"]["data"], "T_BS data", 16).data());
+  return sensor;
+}
+
+/// The images of one camera by time.
+std::map<std::int64_t, std::string> list_by_time(const fs::path& folder) {
+  std::map<std::int64_t, std::string> images;
+  for (const std::string& path : list_images("--euroc", {folder.string()})) {
+    const std::string stem = fs::path(path).stem().string();
+    const bool digits =
+        std::all_of(stem.begin(), stem.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+    // 18 digits fit for certain; 19 do until the year 2262.
+    if (!digits || stem.size() > 19) {
+      throw std::runtime_error(path + ": its name must be its time in nanoseconds");
+    }
+    images[std::stoll(stem)] = path;
+  }
+  return images;
+}
+
+void name_unpaired(const std::map<std::int64_t, std::string>& images,
+                   const std::map<std::int64_t, std::string>& others, const char* other_camera) {
+  for (const auto& [stamp, path] : images) {
+    if (others.count(stamp) != 0) continue;
+    std::cerr << "make_bag: " << path << " is left out: " << other_camera
+              << " has no image of that time\n";
+  }
+}
+
+}  // namespace
+
+StereoSource pair_files(const std::vector<std::string>& left, const std::vector<std::string>& right,
+                        double rate, double start) {
+  if (left.size() != right.size()) {
+    throw std::runtime_error(concat("--left gives ", left.size(), " images and --right ",
+                                    right.size(), ": the numbers must be equal"));
+  }
+  const auto stamp = [&](std::size_t i) {
+    return std::llround(start * kNsPerSecond) +
+           std::llround(static_cast<double>(i) * kNsPerSecond / rate);
+  };
+  StereoSource source;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    source.frames.push_back({stamp(i), left[i], right[i]});
+  }
+  source.duration_ns = stamp(left.size()) - stamp(0);
+  return source;
+}
+
+StereoSource read_euroc(const std::string& folder) {
+  const fs::path at(folder);
+  const Sensor left = read_sensor((at / "cam0" / "sensor.yaml").string());
+  const Sensor right = read_sensor((at / "cam1" / "sensor.yaml").string());
+  if (left.size != right.size) {
+    throw std::runtime_error(folder + ": resolution differs between cam0 and cam1 sensor.yaml");
+  }
+  const auto left_images = list_by_time(at / "cam0" / "data");
+  const auto right_images = list_by_time(at / "cam1" / "data");
+  name_unpaired(left_images, right_images, "cam1");
+  name_unpaired(right_images, left_images, "cam0");
+
+  StereoSource source;
+  for (const auto& [stamp, path] : left_images) {
+    const auto other = right_images.find(stamp);
+    if (other != right_images.end()) source.frames.push_back({stamp, path, other->second});
+  }
+  if (source.frames.empty()) {
+    throw std::runtime_error(folder + ": cam0 and cam1 have no image of the same time");
+  }
+  const auto count = static_cast<std::int64_t>(source.frames.size());
+  const std::int64_t span = source.frames.back().stamp_ns - source.frames.front().stamp_ns;
+  constexpr std::int64_t kSingleFrameNs = 100'000'000;
+  source.duration_ns = count > 1 ? span + span / (count - 1) : kSingleFrameNs;
+
+  const cv::Matx44d right_from_left = right.body_from_sensor.inv() * left.body_from_sensor;
+  source.info =
+      calibrated_info(left.size, left.camera, right.camera, right_from_left.get_minor<3, 3>(0, 0),
+                      {right_from_left(0, 3), right_from_left(1, 3), right_from_left(2, 3)});
+  return source;
+}
+
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,31 @@
+#include "support/parameter_options.hpp"
+
+#include "support/program.hpp"
+
+namespace fpga_stereo::tools {
+
+namespace po = boost::program_options;
+
+po::options_description parameter_options() {
+  po::options_description options("Parameters of the pipeline");
+  const Parameters defaults;
+  for (const ParameterInfo& info : parameter_table()) {
+    const std::string unit = info.unit.empty() ? "" : " " + info.unit;
+    const std::string about = concat(info.about, " [", allowed_values(info), unit, "; default ",
+                                     to_text(defaults, info), "]");
+    options.add_options()(info.name.c_str(), po::value<std::string>()->value_name("value"),
+                          about.c_str());
+  }
+  return options;
+}
+
+Parameters parameters_from(const po::variables_map& options, Parameters defaults) {
+  for (const ParameterInfo& info : parameter_table()) {
+    if (options.count(info.name) == 0) continue;
+    const Status status = set_parameter(defaults, info.name, options[info.name].as<std::string>());
+    if (!status) throw UsageError("--" + status.error().message);
+  }
+  return defaults;
+}
+
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,91 @@
+#include "support/program.hpp"
+
+#include <iostream>
+#include <opencv2/core/utility.hpp>
+
+namespace fpga_stereo::tools {
+
+namespace po = boost::program_options;
+
+int run_program(const std::string& name, int argc, char** argv,
+                const std::function<void(const Arguments&)>& body) {
+  try {
+    body(Arguments(argv + 1, argv + argc));
+    std::cout.flush();
+    if (!std::cout) throw std::runtime_error("cannot write to standard output");
+    return kSuccess;
+  } catch (const UsageError& e) {
+    std::cerr << name << ": " << e.what() << "; see --help\n";
+    return kWrongUsage;
+  } catch (const std::exception& e) {
+    std::cerr << name << ": " << e.what() << "\n";
+    return kFailure;
+  }
+}
+
+std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments) {
+  constexpr const char* kPositional = "positional-arguments";
+  po::options_description visible = line.options;
+  visible.add_options()("help", "print this and exit");
+  po::options_description all;
+  all.add(visible).add_options()(kPositional, po::value<std::vector<std::string>>());
+  po::positional_options_description positions;
+  positions.add(kPositional, -1);
+
+  Parsed parsed;
+  // No guessing: an abbreviation would change its meaning when an option is added.
+  const int style = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+  try {
+    po::store(
+        po::command_line_parser(arguments).options(all).positional(positions).style(style).run(),
+        parsed.options);
+    if (parsed.options.count("help") != 0) {
+      std::cout << line.usage << "\n" << visible << line.notes;
+      return std::nullopt;
+    }
+    po::notify(parsed.options);
+  } catch (const po::error& e) {
+    throw UsageError(e.what());
+  }
+  if (parsed.options.count(kPositional) != 0) {
+    parsed.positional = parsed.options[kPositional].as<std::vector<std::string>>();
+  }
+  if (parsed.positional.size() < line.positional.size()) {
+    throw UsageError(concat(line.positional[parsed.positional.size()], " is missing"));
+  }
+  if (parsed.positional.size() > line.positional.size()) {
+    throw UsageError(concat("argument \"", parsed.positional[line.positional.size()],
+                            "\" is one too many: allowed ", line.positional.size()));
+  }
+  return parsed;
+}
+
+void add_threads_option(po::options_description& options) {
+  options.add_options()("threads",
+                        po::value<int>()->value_name("N")->default_value(cv::getNumberOfCPUs()),
+                        "threads at work [1 to 256]; the result does not depend on it");
+}
+
+int threads(const po::variables_map& options) {
+  const int count = options["threads"].as<int>();
+  require_range("--threads", count, 1, 256);
+  return count;
+}
+
+void require_range(const std::string& option, double value, double min, double max) {
+  if (value >= min && value <= max) return;  // false for NaN
+  throw UsageError(concat(option, " = ", value, ": allowed ", min, " to ", max));
+}
+
+Progress::Progress(std::string program, std::size_t total)
+    : program_(std::move(program)), total_(total) {}
+
+void Progress::done(const std::string& item) {
+  ++count_;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_ < std::chrono::seconds(1)) return;
+  last_ = now;
+  std::cerr << program_ << ": " << count_ << " of " << total_ << ": " << item << std::endl;
+}
+
+}  // namespace fpga_stereo::tools
