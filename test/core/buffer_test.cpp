@@ -1,0 +1,173 @@
+// The line buffer of the board: what buffer_need() says, and a simulation of the buffer.
+#include <gtest/gtest.h>
+
+#include "fpga_stereo/core/calibration.hpp"
+#include "support/data_test.hpp"
+#include "support/naive.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+/// One raw pixel enters and one rectified pixel leaves per clock, `read_start` clocks later.
+/// Frames follow each other without a gap. True where every tap is read before it is overwritten.
+bool buffer_works(const Mesh& mesh, cv::Size raw, int rows, std::int64_t read_start) {
+  const std::int64_t capacity = std::int64_t{rows} * raw.width;
+  if (capacity <= 0) return false;
+  std::vector<std::int64_t> memory(static_cast<std::size_t>(capacity), -1);
+  std::int64_t written = 0;
+  const auto write = [&] {
+    memory[static_cast<std::size_t>(written % capacity)] = written;
+    ++written;
+  };
+  while (written < read_start) write();
+  for (int y = 0; y < mesh.size.height; ++y) {
+    for (int x = 0; x < mesh.size.width; ++x, write()) {
+      const cv::Point source = naive::source(mesh, x, y);
+      for (const cv::Point step : {cv::Point(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
+        const cv::Point tap = cv::Point(source.x >> 5, source.y >> 5) + step;
+        if (!cv::Rect({}, raw).contains(tap)) continue;
+        const std::int64_t pixel = std::int64_t{tap.y} * raw.width + tap.x;
+        if (memory[static_cast<std::size_t>(pixel % capacity)] != pixel) return false;
+      }
+    }
+  }
+  return true;
+}
+
+void expect_need(const Mesh& mesh, int above, int below, std::int64_t start, int rows) {
+  const BufferNeed need = buffer_need(mesh, mesh.size);
+  EXPECT_EQ(need.rows_above, above);
+  EXPECT_EQ(need.rows_below, below);
+  EXPECT_EQ(need.read_start, start);
+  EXPECT_EQ(need.rows, rows);
+}
+
+/// Enough, and not a row or a pixel less.
+void expect_exact(const Mesh& mesh, cv::Size raw) {
+  const BufferNeed need = buffer_need(mesh, raw);
+  EXPECT_TRUE(buffer_works(mesh, raw, need.rows, need.read_start));
+  EXPECT_FALSE(buffer_works(mesh, raw, need.rows - 1, need.read_start));
+  EXPECT_FALSE(buffer_works(mesh, raw, need.rows, need.read_start - 1));
+}
+
+/// A mesh that moves every pixel by whole pixels.
+Mesh moved(cv::Size size, int x, int y) {
+  Mesh mesh = Mesh::shift(size, 0);
+  mesh.nodes = cv::Vec2s(cv::saturate_cast<short>(128 * x), cv::saturate_cast<short>(128 * y));
+  return mesh;
+}
+
+// The 2 x 2 taps are read also where the weight of the second row and column is 0: row 0 waits
+// for the second pixel of row 1.
+TEST(BufferNeed, IdentityByHand) {
+  expect_need(moved({16, 16}, 0, 0), 0, 1, 16 + 1 + 1, 2);
+  expect_need(moved({16, 1}, 0, 0), 0, 0, 2, 1);
+  expect_need(moved({1, 16}, 0, 0), 0, 1, 2, 2);
+  expect_need(moved({1, 1}, 0, 0), 0, 0, 1, 1);
+  for (const cv::Size size : {cv::Size(16, 16), {16, 1}, {1, 16}, {1, 1}, {9, 5}}) {
+    expect_exact(moved(size, 0, 0), size);
+  }
+}
+
+TEST(BufferNeed, ShiftAlongTheRowByHand) {
+  expect_need(moved({16, 16}, 3, 0), 0, 1, 16 + 4 + 1, 2);
+  expect_need(moved({16, 16}, -3, 0), 0, 1, 16 - 2 + 1, 2);
+  expect_need(moved({16, 16}, -16, 0), 0, 1, 16 - 15 + 1, 2);
+  for (const int shift : {-16, -15, -3, 3, 14}) {
+    const BufferNeed need = buffer_need(moved({16, 16}, shift, 0), {16, 16});
+    EXPECT_TRUE(buffer_works(moved({16, 16}, shift, 0), {16, 16}, need.rows, need.read_start));
+  }
+}
+
+TEST(BufferNeed, ShiftDownTheColumnByHand) {
+  const BufferNeed below = buffer_need(moved({16, 16}, 0, 5), {16, 16});
+  EXPECT_EQ(below.rows_above, 0);
+  EXPECT_EQ(below.rows_below, 6);
+  EXPECT_EQ(below.read_start, 6 * 16 + 1 + 1);
+  EXPECT_TRUE(buffer_works(moved({16, 16}, 0, 5), {16, 16}, below.rows, below.read_start));
+  const BufferNeed above = buffer_need(moved({16, 16}, 0, -5), {16, 16});
+  EXPECT_EQ(above.rows_above, 5);
+  EXPECT_EQ(above.rows_below, 0);
+  EXPECT_GE(above.rows, 5);
+  EXPECT_TRUE(buffer_works(moved({16, 16}, 0, -5), {16, 16}, above.rows, above.read_start));
+}
+
+// Up to 4 rows above at the left and 4 below at the right.
+TEST(BufferNeed, TiltIsExact) {
+  Mesh mesh = Mesh::shift({40, 33}, 0);
+  for (int j = 0; j < mesh.nodes.rows; ++j) {
+    for (int i = 0; i < mesh.nodes.cols; ++i) {
+      mesh.nodes(j, i) = {0, static_cast<std::int16_t>(128 * 4 * (2 * i - 5) / 5)};
+    }
+  }
+  const BufferNeed need = buffer_need(mesh, mesh.size);
+  EXPECT_EQ(need.rows_above, 4);
+  EXPECT_EQ(need.rows_below, 4);
+  expect_exact(mesh, mesh.size);
+}
+
+// A map that looks only down or only up needs no rows of the other side.
+TEST(BufferNeed, OneSidedMapsAreExact) {
+  const cv::Size size{24, 40};
+  EXPECT_EQ(buffer_need(moved(size, 0, 10), size).rows, 2);
+  EXPECT_EQ(buffer_need(moved(size, 0, -10), size).read_start, 0);
+  for (const int shift : {3, 10, 20}) {
+    const Mesh mesh = moved(size, 0, shift);
+    expect_exact(mesh, size);
+  }
+  EXPECT_EQ(buffer_need(moved(size, 200, 0), size).rows, 0) << "nothing is seen";
+}
+
+// As soon as rows above and below are read.
+TEST(BufferNeed, RandomMeshesAreExact) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    cv::RNG rng(seed);
+    const cv::Size size{rng.uniform(20, 50), rng.uniform(20, 50)};
+    Mesh mesh = Mesh::shift(size, 0);
+    rng.fill(mesh.nodes, cv::RNG::UNIFORM, -128 * 7, 128 * 7);
+    expect_exact(mesh, size);
+  }
+}
+
+TEST(BufferNeed, NothingOfTheRawImageIsSeen) {
+  const Mesh mesh = moved({16, 16}, 100, 0);
+  const BufferNeed need = buffer_need(mesh, {16, 16});
+  EXPECT_EQ(need.rows_above, 0);
+  EXPECT_EQ(need.rows_below, 0);
+  EXPECT_LE(need.rows, 1);
+}
+
+TEST(CheckBuffer, RefusalNamesBothNumbers) {
+  BufferNeed need;
+  need.rows = 104;
+  need.rows_above = 52;
+  need.rows_below = 50;
+  EXPECT_TRUE(check_buffer(need, 104, "left"));
+  EXPECT_TRUE(check_buffer(need, 128, "left"));
+  const Status status = check_buffer(need, 103, "right");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::kCalibration);
+  for (const std::string word : {"right", "104", "103", "52", "50"}) {
+    EXPECT_NE(status.error().message.find(word), std::string::npos) << status.error().message;
+  }
+}
+
+using BufferData = DataTest;
+
+// Sources from 51.4 rows above to 49.3 below the output row, over both cameras.
+TEST_F(BufferData, EurocRows) {
+  const CalibrationPair pair = euroc_calibration();
+  const auto made = make_stereo_rectification(pair.left, pair.right, 0);
+  ASSERT_TRUE(made) << made.error().message;
+  const BufferNeed left = made->left.buffer;
+  const BufferNeed right = made->right.buffer;
+  EXPECT_NEAR(std::max(left.rows_above, right.rows_above), 51.4, 1.0);
+  EXPECT_NEAR(std::max(left.rows_below, right.rows_below), 49.3, 1.0);
+  expect_exact(made->left.mesh, {752, 480});
+  expect_exact(made->right.mesh, {752, 480});
+  EXPECT_FALSE(check_buffer(left, left.rows - 1, "left"));
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

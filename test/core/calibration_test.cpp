@@ -1,0 +1,260 @@
+#include "fpga_stereo/core/calibration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/compare.hpp"
+#include "support/data_test.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+/// A pair that is rectified already: the smallest calibration that is allowed.
+CameraCalibration ideal(double p3) {
+  CameraCalibration c;
+  c.width = 160;
+  c.height = 120;
+  c.distortion_model = "plumb_bob";
+  c.K = {250, 0, 80, 0, 250, 60, 0, 0, 1};
+  c.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  c.P = {250, 0, 80, p3, 0, 250, 60, 0, 0, 0, 1, 0};
+  return c;
+}
+
+const CameraCalibration kLeft = ideal(0);
+const CameraCalibration kRight = ideal(-25);
+
+/// The pair is refused with this kind and a message that has all of `words`.
+void expect_refused(const CameraCalibration& left, const CameraCalibration& right,
+                    const std::vector<std::string>& words,
+                    ErrorKind kind = ErrorKind::kCalibration) {
+  const auto made = make_stereo_rectification(left, right, 0);
+  ASSERT_FALSE(made) << "not refused: " << words.front();
+  EXPECT_EQ(made.error().kind, kind) << made.error().message;
+  for (const std::string& word : words) {
+    EXPECT_NE(made.error().message.find(word), std::string::npos)
+        << "\"" << word << "\" is not in: " << made.error().message;
+  }
+}
+
+using Change = std::function<void(CameraCalibration&)>;
+
+/// The same change is refused in either camera, by its name.
+void expect_refused(const Change& change, const std::vector<std::string>& words,
+                    ErrorKind kind = ErrorKind::kCalibration) {
+  for (const std::string camera : {"left", "right"}) {
+    CameraCalibration left = kLeft;
+    CameraCalibration right = kRight;
+    change(camera == "left" ? left : right);
+    std::vector<std::string> all = words;
+    all.push_back(camera);
+    expect_refused(left, right, all, kind);
+    const Status status = validate(camera == "left" ? left : right, camera);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().kind, kind);
+  }
+}
+
+TEST(Calibration, IdealPairMovesNothing) {
+  const auto made = make_stereo_rectification(kLeft, kRight, 0);
+  ASSERT_TRUE(made) << made.error().message;
+  const Mesh none = Mesh::shift({160, 120}, 0);
+  EXPECT_TRUE(same("left", none.nodes, made->left.mesh.nodes));
+  EXPECT_TRUE(same("right", none.nodes, made->right.mesh.nodes));
+  EXPECT_EQ(made->left.mesh.size, cv::Size(160, 120));
+  EXPECT_LT(made->left.deviation.largest, 1e-9);
+}
+
+TEST(Calibration, Geometry) {
+  CameraCalibration right = kRight;
+  right.P[2] = 83;
+  const auto made = make_stereo_rectification(kLeft, right, 5);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->geometry.image_size, cv::Size(160, 120));
+  EXPECT_EQ(made->geometry.fx, 250);
+  EXPECT_EQ(made->geometry.fy, 250);
+  EXPECT_EQ(made->geometry.cx, 80);
+  EXPECT_EQ(made->geometry.cx_right, 83);
+  EXPECT_EQ(made->geometry.cy, 60);
+  EXPECT_DOUBLE_EQ(made->geometry.baseline, 0.1);
+  EXPECT_EQ(made->min_disparity, 5);
+}
+
+TEST(Calibration, GeometryOfBinnedParts) {
+  CameraCalibration left = kLeft;
+  CameraCalibration right = kRight;
+  for (CameraCalibration* c : {&left, &right}) {
+    c->binning_x = c->binning_y = 2;
+    c->roi = {20, 10, 100, 80};
+  }
+  const auto made = make_stereo_rectification(left, right, 0);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->geometry.image_size, cv::Size(50, 40));
+  EXPECT_EQ(made->left.mesh.size, cv::Size(50, 40));
+  EXPECT_EQ(made->geometry.fx, 125);
+  EXPECT_EQ(made->geometry.cx, 30);
+  EXPECT_EQ(made->geometry.cy, 25);
+  EXPECT_DOUBLE_EQ(made->geometry.baseline, 0.1) << "metres do not change";
+}
+
+TEST(Calibration, MinimumDisparityShiftsTheRightMesh) {
+  for (const int minimum : {-128, -7, 1, 128}) {
+    const auto made = make_stereo_rectification(kLeft, kRight, minimum);
+    ASSERT_TRUE(made) << made.error().message;
+    const cv::Size size(160, 120);
+    EXPECT_TRUE(same("left", Mesh::shift(size, 0).nodes, made->left.mesh.nodes));
+    EXPECT_TRUE(same("right", Mesh::shift(size, -minimum).nodes, made->right.mesh.nodes));
+    EXPECT_TRUE(same("unshifted", Mesh::shift(size, 0).nodes, made->right_unshifted.nodes));
+    const StereoRectification none = no_rectification(made->geometry, minimum);
+    EXPECT_TRUE(same("right", none.right.mesh.nodes, made->right.mesh.nodes));
+    EXPECT_TRUE(same("left", none.left.mesh.nodes, made->left.mesh.nodes));
+    EXPECT_TRUE(same("unshifted", none.right_unshifted.nodes, made->right_unshifted.nodes));
+    EXPECT_EQ(none.min_disparity, minimum);
+    EXPECT_EQ(none.geometry.baseline, made->geometry.baseline);
+  }
+}
+
+TEST(CalibrationRefusal, EmptyCameraInfoIsUncalibrated) {
+  expect_refused([](CameraCalibration& c) { c = {}; }, {"uncalibrated", "K[0] = 0"},
+                 ErrorKind::kUncalibrated);
+}
+
+TEST(CalibrationRefusal, MirrorIsNoRotation) {
+  expect_refused([](CameraCalibration& c) { c.R = {1, 0, 0, 0, -1, 0, 0, 0, 1}; },
+                 {"R is no rotation", "determinant -1"});
+}
+
+TEST(CalibrationRefusal, ThirdRowOfProjection) {
+  expect_refused([](CameraCalibration& c) { c.P[10] = 0; }, {"P has the third row 0 0 0"});
+}
+
+TEST(CalibrationRefusal, Uncalibrated) {
+  expect_refused([](CameraCalibration& c) { c.K[0] = 0; }, {"uncalibrated", "K[0]"},
+                 ErrorKind::kUncalibrated);
+  expect_refused([](CameraCalibration& c) { c.K = c.R = {}, c.P = {}, c.D.clear(); },
+                 {"uncalibrated"}, ErrorKind::kUncalibrated);
+}
+
+TEST(CalibrationRefusal, NotFinite) {
+  const std::vector<double> values{std::nan(""), INFINITY, -INFINITY};
+  for (const double value : values) {
+    for (std::size_t i = 0; i < 9; ++i) {
+      expect_refused([=](CameraCalibration& c) { c.K[i] = value; }, {"camera_info K", "finite"});
+      expect_refused([=](CameraCalibration& c) { c.R[i] = value; }, {"camera_info R", "finite"});
+    }
+    for (std::size_t i = 0; i < 12; ++i) {
+      expect_refused([=](CameraCalibration& c) { c.P[i] = value; }, {"camera_info P", "finite"});
+    }
+    for (std::size_t i = 0; i < 5; ++i) {
+      const Change change = [=](CameraCalibration& c) {
+        c.D.assign(5, 0.0);
+        c.D[i] = value;
+      };
+      expect_refused(change, {"camera_info D", "finite"});
+    }
+  }
+}
+
+TEST(CalibrationRefusal, FocalLengths) {
+  expect_refused([](CameraCalibration& c) { c.K[0] = -250; }, {"K[0]", "-250"});
+  expect_refused([](CameraCalibration& c) { c.K[4] = 0; }, {"K[4]"});
+  expect_refused([](CameraCalibration& c) { c.P[0] = 0; }, {"P[0]"});
+  expect_refused([](CameraCalibration& c) { c.P[5] = -1; }, {"P[5]", "-1"});
+}
+
+TEST(CalibrationRefusal, Distortion) {
+  const auto set = [](const std::string& model, std::size_t length) -> Change {
+    return [=](CameraCalibration& c) {
+      c.distortion_model = model;
+      c.D.assign(length, 0.001);
+    };
+  };
+  expect_refused(set("equidistant", 4), {"distortion_model", "equidistant", "plumb_bob"});
+  expect_refused(set("", 5), {"distortion_model"});
+  expect_refused(set("plumb_bob", 4), {"camera_info D", "4", "plumb_bob", "5"});
+  expect_refused(set("plumb_bob", 8), {"camera_info D", "8", "plumb_bob", "5"});
+  expect_refused(set("rational_polynomial", 5), {"camera_info D", "rational_polynomial", "8"});
+  expect_refused(set("rational_polynomial", 14), {"camera_info D", "14", "8"});
+}
+
+TEST(CalibrationRefusal, DistortionOfNothingNeedsNoModel) {
+  CameraCalibration left = kLeft;
+  left.distortion_model = "";
+  for (const std::size_t length : {0, 4, 5}) {
+    left.D.assign(length, 0.0);
+    EXPECT_TRUE(make_stereo_rectification(left, kRight, 0)) << length;
+  }
+}
+
+TEST(CalibrationRefusal, NoRotation) {
+  expect_refused([](CameraCalibration& c) { c.R = {}; }, {"camera_info R", "rotation"});
+  expect_refused([](CameraCalibration& c) { c.R[0] = 1.1; }, {"camera_info R", "rotation"});
+  expect_refused([](CameraCalibration& c) { c.R[1] = 0.1; }, {"camera_info R", "rotation"});
+}
+
+TEST(CalibrationRefusal, SizeAndRegionOfInterest) {
+  expect_refused([](CameraCalibration& c) { c.width = 0; }, {"width x height", "0x120"});
+  expect_refused([](CameraCalibration& c) { c.height = -3; }, {"width x height", "160x-3"});
+  for (const cv::Rect& roi : {cv::Rect(1, 0, 160, 120),
+                              {0, 1, 160, 120},
+                              {-1, 0, 10, 10},
+                              {100, 100, 61, 5},
+                              {200, 0, 5, 5},
+                              {5, 5, 0, 0}}) {
+    expect_refused([=](CameraCalibration& c) { c.roi = roi; }, {"roi", "160x120"});
+  }
+  expect_refused([](CameraCalibration& c) { c.binning_x = 161; }, {"binning", "161"});
+}
+
+TEST(CalibrationRefusal, PairsThatDoNotFit) {
+  const auto changed = [](std::size_t i, double difference) {
+    CameraCalibration right = kRight;
+    right.P[i] += difference;
+    return right;
+  };
+  expect_refused(kLeft, changed(0, 0.5), {"fx", "P", "250", "250.5"});
+  expect_refused(kLeft, changed(5, 0.5), {"fy", "P", "250", "250.5"});
+  expect_refused(kLeft, changed(6, 0.25), {"cy", "P", "60", "60.25"});
+  EXPECT_TRUE(make_stereo_rectification(kLeft, changed(6, 1e-4), 0)) << "rounding of a file";
+
+  CameraCalibration narrow = kRight;
+  narrow.width = 150;
+  expect_refused(kLeft, narrow, {"left and right", "160x120", "150x120"});
+  CameraCalibration binned = kRight;
+  binned.binning_x = binned.binning_y = 2;
+  expect_refused(kLeft, binned, {"160x120", "80x60"});
+}
+
+TEST(CalibrationRefusal, Baseline) {
+  expect_refused(kLeft, ideal(0), {"right camera_info P[3] = 0", "negative"});
+  expect_refused(kLeft, ideal(25), {"right camera_info P[3] = 25", "swapped"});
+}
+
+using CalibrationData = DataTest;
+
+TEST_F(CalibrationData, EurocGeometry) {
+  const CalibrationPair pair = euroc_calibration();
+  const auto made = make_stereo_rectification(pair.left, pair.right, 0);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->geometry.image_size, cv::Size(752, 480));
+  EXPECT_NEAR(made->geometry.fx, 436.23, 0.01);
+  EXPECT_NEAR(made->geometry.cx, 364.44, 0.01);
+  EXPECT_NEAR(made->geometry.cy, 256.95, 0.01);
+  EXPECT_NEAR(made->geometry.baseline, 0.11008, 1e-5);
+  EXPECT_EQ(made->geometry.cx, made->geometry.cx_right);
+}
+
+TEST_F(CalibrationData, ChessboardGeometry) {
+  const CalibrationPair pair = chessboard_calibration();
+  const auto made = make_stereo_rectification(pair.left, pair.right, 0);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_NEAR(made->geometry.fx, 516.58, 0.01);
+  EXPECT_NEAR(made->geometry.cx, 336.58, 0.01);
+  EXPECT_NEAR(made->geometry.cy, 244.41, 0.01);
+  EXPECT_NEAR(made->geometry.baseline, 0.0832, 1e-4);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

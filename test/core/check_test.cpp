@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+
+#include "fpga_stereo/core/stages.hpp"
+#include "support/compare.hpp"
+#include "support/images.hpp"
+#include "support/naive.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+/// A row whose pixels all have disparity 5, seen from both sides, and no rival.
+Selection agreeing_row() {
+  Selection s;
+  create(s, {20, 1});
+  s.winner = 5;
+  s.right_winner = 5;
+  s.winner_sum = 10;
+  s.rival_sum = 1000;
+  return s;
+}
+
+Selection random_selection(cv::Size size, int range, unsigned seed) {
+  Selection s;
+  create(s, size);
+  cv::RNG rng(seed);
+  rng.fill(s.winner, cv::RNG::UNIFORM, 0, range);
+  rng.fill(s.right_winner, cv::RNG::UNIFORM, 0, range);
+  rng.fill(s.winner_sum, cv::RNG::UNIFORM, 0, 52921);
+  rng.fill(s.rival_sum, cv::RNG::UNIFORM, 0, 52921);
+  return s;
+}
+
+cv::Mat1b check_of(const Selection& s, const Parameters& p) {
+  cv::Mat1b kept;
+  check(s, p, cv::Range::all(), kept);
+  return kept;
+}
+
+bool unique(double ratio, int winner_sum, int rival_sum) {
+  Selection s = agreeing_row();
+  s.winner_sum = winner_sum;
+  s.rival_sum = rival_sum;
+  Parameters p;
+  p.uniqueness_ratio = ratio;
+  return check_of(s, p)(0, 10) == 1;
+}
+
+TEST(Check, KeepsWhatAgrees) {
+  const cv::Mat1b kept = check_of(agreeing_row(), Parameters());
+  // The partner of the first five pixels is left of the right image.
+  EXPECT_EQ(cv::countNonZero(kept.colRange(0, 5)), 0);
+  EXPECT_EQ(cv::countNonZero(kept.colRange(5, 20) == 1), 15);
+}
+
+TEST(Check, LargestDifference) {
+  for (const int largest : {0, 1, 2, 128}) {
+    for (int difference = -4; difference <= 4; ++difference) {
+      Selection s = agreeing_row();
+      s.right_winner(0, 10 - 5) = static_cast<std::uint8_t>(5 + difference);
+      Parameters p;
+      p.disp12MaxDiff = largest;
+      EXPECT_EQ(check_of(s, p)(0, 10), std::abs(difference) <= largest ? 1 : 0)
+          << largest << " " << difference;
+    }
+  }
+}
+
+// N = 256 (1 + 33 / 100) = 340.48, rounded 340: v2 must be above 340 / 256 v1.
+TEST(Check, BothSidesOfUniqueness) {
+  EXPECT_FALSE(unique(33, 256, 339));
+  EXPECT_FALSE(unique(33, 256, 340));
+  EXPECT_TRUE(unique(33, 256, 341));
+  // Any v1: just at most and just above.
+  for (const int v1 : {1, 64, 1000, 5400, 27000, 49000}) {
+    const int limit = 340 * v1 / 256;
+    EXPECT_FALSE(unique(33, v1, limit)) << v1;
+    EXPECT_TRUE(unique(33, v1, limit + 1)) << v1;
+  }
+  EXPECT_FALSE(unique(33, 0, 0));
+  EXPECT_TRUE(unique(33, 0, 1));
+}
+
+TEST(Check, UniquenessRatiosAtTheirLimits) {
+  EXPECT_FALSE(unique(0, 1000, 1000));
+  EXPECT_TRUE(unique(0, 1000, 1001));
+  EXPECT_FALSE(unique(100, 26460, 52920));
+  EXPECT_TRUE(unique(100, 26459, 52920));
+  EXPECT_FALSE(unique(100, 52920, 52920)) << "no overflow";
+}
+
+TEST(Check, RatioIsRoundedToTheNearest256th) {
+  EXPECT_TRUE(unique(0.19, 256, 257)) << "256.4864 is 256";
+  EXPECT_FALSE(unique(0.2, 256, 257)) << "256.512 is 257";
+  EXPECT_FALSE(unique(0.1953125, 256, 257)) << "256.5 is 257";
+  EXPECT_TRUE(unique(0.1953125, 256, 258));
+}
+
+TEST(Check, EachCanBeSwitchedOff) {
+  Selection s = agreeing_row();
+  s.right_winner(0, 5) = 100;  // pixel 10 disagrees
+  s.rival_sum(0, 12) = 10;     // pixel 12 is not unique
+  for (const bool left_right : {false, true}) {
+    for (const bool uniqueness : {false, true}) {
+      Parameters p;
+      p.left_right_check = left_right;
+      p.uniqueness_check = uniqueness;
+      const cv::Mat1b kept = check_of(s, p);
+      EXPECT_EQ(kept(0, 2), left_right ? 0 : 1);
+      EXPECT_EQ(kept(0, 10), left_right ? 0 : 1);
+      EXPECT_EQ(kept(0, 12), uniqueness ? 0 : 1);
+      EXPECT_EQ(kept(0, 14), 1);
+    }
+  }
+}
+
+TEST(Check, EqualsTheNaiveModel) {
+  unsigned seed = 900;
+  for (const cv::Size size : {cv::Size(1, 1), {1, 8}, {9, 1}, {41, 13}}) {
+    for (const double ratio : {0.0, 5.5, 33.0, 99.9}) {
+      for (const int difference : {0, 1, 7}) {
+        for (int switches = 0; switches < 4; ++switches) {
+          Parameters p;
+          p.uniqueness_ratio = ratio;
+          p.disp12MaxDiff = difference;
+          p.left_right_check = (switches & 1) != 0;
+          p.uniqueness_check = (switches & 2) != 0;
+          Selection s = random_selection(size, 16, ++seed);
+          const cv::Mat1b expected = naive::check(s, p);
+          ASSERT_TRUE(same("check", expected, check_of(s, p), {p, seed, "random"}));
+          s.winner = padded(s.winner, 1);
+          s.right_winner = padded(s.right_winner, 2);
+          s.winner_sum = padded(s.winner_sum, 3);
+          s.rival_sum = padded(s.rival_sum, 4);
+          ASSERT_TRUE(same("check", expected, check_of(s, p), {p, seed, "padded"}));
+        }
+      }
+    }
+  }
+}
+
+TEST(Check, WritesTheGivenRowsOnly) {
+  const Selection s = random_selection({15, 9}, 8, 42);
+  const Parameters p;
+  cv::Mat1b kept(9, 15, std::uint8_t{77});
+  cv::Mat1b expected = kept.clone();
+  naive::check(s, p).rowRange(2, 6).copyTo(expected.rowRange(2, 6));
+  check(s, p, {2, 6}, kept);
+  EXPECT_TRUE(same("check", expected, kept, {p, 42, "rows 2 .. 5"}));
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

@@ -1,0 +1,191 @@
+#include "fpga_stereo/core/parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace fpga_stereo::test {
+namespace {
+
+bool is_integer(const ParameterInfo& info) {
+  return std::holds_alternative<int Parameters::*>(info.member);
+}
+
+bool is_number(const ParameterInfo& info) {
+  return is_integer(info) || std::holds_alternative<double Parameters::*>(info.member);
+}
+
+const ParameterInfo& info_of(const std::string& name) {
+  for (const ParameterInfo& info : parameter_table()) {
+    if (info.name == name) return info;
+  }
+  throw std::out_of_range(name);
+}
+
+/// Sets a number past set_parameter's checks.
+Parameters with(const ParameterInfo& info, double value) {
+  Parameters p;
+  if (const auto* member = std::get_if<int Parameters::*>(&info.member)) {
+    p.*(*member) = static_cast<int>(value);
+  } else {
+    p.*std::get<double Parameters::*>(info.member) = value;
+  }
+  return p;
+}
+
+std::string all_texts(const Parameters& p) {
+  std::string text;
+  for (const ParameterInfo& info : parameter_table()) text += to_text(p, info) + " ";
+  return text;
+}
+
+/// Refused by validate() and by set_parameter() with name, value and range in the message.
+void expect_refused(const ParameterInfo& info, double value) {
+  const Parameters p = with(info, value);
+  const std::string text = to_text(p, info);
+  SCOPED_TRACE(info.name + " = " + text);
+  const Status validated = validate(p);
+  ASSERT_FALSE(validated);
+  EXPECT_EQ(validated.error().kind, ErrorKind::kInvalid);
+  Parameters unchanged;
+  const Status set = set_parameter(unchanged, info.name, text);
+  ASSERT_FALSE(set);
+  EXPECT_EQ(all_texts(unchanged), all_texts(Parameters()));
+  for (const std::string& message : {validated.error().message, set.error().message}) {
+    EXPECT_NE(message.find(info.name), std::string::npos) << message;
+    EXPECT_NE(message.find(text), std::string::npos) << message;
+    EXPECT_NE(message.find(allowed_values(info)), std::string::npos) << message;
+  }
+}
+
+TEST(ParametersTable, NamesAndDefaults) {
+  const std::vector<std::pair<std::string, std::string>> expected{
+      {"min_disparity", "0"},       {"disparity_range", "64"},         {"census_window_size", "11"},
+      {"census_pattern", "sparse"}, {"correlation_window_size", "15"}, {"left_right_check", "true"},
+      {"disp12MaxDiff", "1"},       {"uniqueness_check", "true"},      {"uniqueness_ratio", "33"},
+      {"subpixel", "true"},         {"speckle_size", "400"},           {"speckle_range", "1"}};
+  ASSERT_EQ(parameter_table().size(), expected.size());
+  for (const auto& [name, value] : expected) {
+    EXPECT_EQ(to_text(Parameters(), info_of(name)), value) << name;
+  }
+}
+
+TEST(ParametersTable, DefaultsAreAllowed) {
+  EXPECT_TRUE(validate(Parameters()));
+  for (const ParameterInfo& info : parameter_table()) {
+    Parameters p;
+    EXPECT_TRUE(set_parameter(p, info.name, to_text(Parameters(), info))) << info.name;
+    EXPECT_FALSE(info.about.empty()) << info.name;
+  }
+}
+
+TEST(ParametersTable, LimitsAreAllowed) {
+  for (const ParameterInfo& info : parameter_table()) {
+    if (!is_number(info)) continue;
+    EXPECT_TRUE(validate(with(info, info.min))) << info.name;
+    EXPECT_TRUE(validate(with(info, info.max))) << info.name;
+  }
+}
+
+TEST(ParametersTable, OutOfRangeIsRefused) {
+  for (const ParameterInfo& info : parameter_table()) {
+    if (!is_number(info)) continue;
+    const double step = is_integer(info) ? 1 : 0.25;
+    expect_refused(info, info.min - step);
+    expect_refused(info, info.max + step);
+    if (info.step > 1) expect_refused(info, info.min + 1);
+    if (info.step > 1) expect_refused(info, info.max - 1);
+  }
+}
+
+TEST(ParametersTable, FarOutOfRangeIsRefused) {
+  for (const ParameterInfo& info : parameter_table()) {
+    if (!is_integer(info)) continue;
+    expect_refused(info, std::numeric_limits<int>::max());
+    expect_refused(info, std::numeric_limits<int>::min() / 2);
+  }
+  EXPECT_FALSE(validate(with(info_of("uniqueness_ratio"), std::nan(""))));
+  EXPECT_FALSE(validate(with(info_of("uniqueness_ratio"), INFINITY)));
+}
+
+TEST(ParametersTable, AllowedValuesInWords) {
+  EXPECT_EQ(allowed_values(info_of("disparity_range")), "8 to 256 in steps of 4");
+  EXPECT_EQ(allowed_values(info_of("census_window_size")), "5 to 11 in steps of 2");
+  EXPECT_EQ(allowed_values(info_of("correlation_window_size")), "5 to 21 in steps of 2");
+  EXPECT_EQ(allowed_values(info_of("uniqueness_ratio")), "0 to 100");
+  EXPECT_EQ(allowed_values(info_of("min_disparity")), "-128 to 128");
+  EXPECT_EQ(allowed_values(info_of("subpixel")), "true or false");
+  EXPECT_EQ(allowed_values(info_of("census_pattern")), "sparse or full");
+}
+
+TEST(SetParameter, SetsEveryKind) {
+  Parameters p;
+  EXPECT_TRUE(set_parameter(p, "disparity_range", "128"));
+  EXPECT_TRUE(set_parameter(p, "min_disparity", "-7"));
+  EXPECT_TRUE(set_parameter(p, "uniqueness_ratio", "12.5"));
+  EXPECT_TRUE(set_parameter(p, "census_pattern", "full"));
+  EXPECT_TRUE(set_parameter(p, "subpixel", "false"));
+  EXPECT_EQ(p.disparity_range, 128);
+  EXPECT_EQ(p.min_disparity, -7);
+  EXPECT_EQ(p.uniqueness_ratio, 12.5);
+  EXPECT_EQ(p.census_pattern, CensusPattern::kFull);
+  EXPECT_FALSE(p.subpixel);
+  EXPECT_TRUE(set_parameter(p, "census_pattern", "sparse"));
+  EXPECT_TRUE(set_parameter(p, "subpixel", "true"));
+  EXPECT_EQ(p.census_pattern, CensusPattern::kSparse);
+  EXPECT_TRUE(p.subpixel);
+}
+
+TEST(SetParameter, RoundTrip) {
+  for (const ParameterInfo& info : parameter_table()) {
+    std::vector<std::string> texts{"true", "false"};
+    if (info.name == "census_pattern") texts = {"sparse", "full"};
+    if (is_integer(info)) {
+      texts.clear();
+      for (int v = static_cast<int>(info.min); v <= static_cast<int>(info.max); v += info.step) {
+        texts.push_back(std::to_string(v));
+      }
+    } else if (is_number(info)) {
+      texts = {"0", "0.5", "33", "99.75", "100"};
+    }
+    for (const std::string& text : texts) {
+      Parameters p;
+      ASSERT_TRUE(set_parameter(p, info.name, text)) << info.name << " " << text;
+      ASSERT_EQ(to_text(p, info), text) << info.name;
+      ASSERT_TRUE(validate(p)) << info.name << " " << text;
+    }
+  }
+}
+
+TEST(SetParameter, GarbageIsRefused) {
+  const char* const texts[] = {
+      "", " ", "x", "12x", "12 ", "1.5.2", "--3", "nan", "0x10", "TRUE?", "99999999999999999999"};
+  for (const ParameterInfo& info : parameter_table()) {
+    for (const std::string text : texts) {
+      Parameters p;
+      const Status status = set_parameter(p, info.name, text);
+      ASSERT_FALSE(status) << info.name << " \"" << text << "\"";
+      EXPECT_EQ(status.error().kind, ErrorKind::kInvalid);
+      EXPECT_NE(status.error().message.find(info.name), std::string::npos);
+      EXPECT_NE(status.error().message.find("\"" + text + "\""), std::string::npos);
+      EXPECT_NE(status.error().message.find(allowed_values(info)), std::string::npos);
+      EXPECT_EQ(all_texts(p), all_texts(Parameters()));
+    }
+  }
+  Parameters p;
+  EXPECT_FALSE(set_parameter(p, "disparity_range", "64.0")) << "a fraction is no integer";
+}
+
+TEST(SetParameter, UnknownNameIsRefused) {
+  Parameters p;
+  const Status status = set_parameter(p, "disparity_rang", "64");
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("\"disparity_rang\""), std::string::npos);
+  EXPECT_NE(status.error().message.find("disparity_range"), std::string::npos) << "lists them";
+  EXPECT_FALSE(set_parameter(p, "", "1"));
+  EXPECT_FALSE(set_parameter(p, "Disparity_Range", "64"));
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

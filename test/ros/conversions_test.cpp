@@ -1,0 +1,165 @@
+// Messages filled and read without a node.
+#include "fpga_stereo/ros/conversions.hpp"
+
+#include <cv_bridge/cv_bridge.h>
+#include <gtest/gtest.h>
+#include <image_geometry/stereo_camera_model.h>
+
+#include <boost/make_shared.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "fpga_stereo/core/stages.hpp"
+#include "ros/rig.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+constexpr std::uint16_t kNone = kNoDisparity;
+
+StereoGeometry geometry(cv::Size size) {
+  StereoGeometry g;
+  g.image_size = size;
+  g.fx = g.fy = 400;
+  g.cx = g.cx_right = 2;
+  g.cy = 1;
+  g.baseline = 0.25;
+  return g;
+}
+
+std::vector<float> values(const stereo_msgs::DisparityImage& message) {
+  std::vector<float> result(message.image.data.size() / 4);
+  std::memcpy(result.data(), message.image.data.data(), message.image.data.size());
+  return result;
+}
+
+TEST(Conversions, DisparityImageHasValuesMarkerAndRange) {
+  const cv::Mat1w disparity = (cv::Mat1w(1, 4) << 0, 32, 33, kNone);
+  Parameters parameters;
+  const auto message = to_disparity_image(disparity, geometry({4, 1}), parameters, {});
+  EXPECT_EQ(values(*message), (std::vector<float>{0, 1, 1.03125F, -1}));
+  EXPECT_EQ(message->min_disparity, 0);
+  EXPECT_EQ(message->max_disparity, 63);
+  EXPECT_EQ(message->f, 400);
+  EXPECT_EQ(message->T, 0.25F);
+
+  parameters.min_disparity = -16;
+  const auto shifted = to_disparity_image(disparity, geometry({4, 1}), parameters, {});
+  EXPECT_EQ(values(*shifted), (std::vector<float>{-16, -15, -14.96875F, -17}));
+  EXPECT_EQ(shifted->min_disparity, -16);
+  EXPECT_EQ(shifted->max_disparity, 47);
+}
+
+TEST(Conversions, OffsetOfThePrincipalPointsIsSubtractedOnce) {
+  const cv::Mat1w disparity = (cv::Mat1w(1, 2) << 320, kNone);
+  StereoGeometry g = geometry({2, 1});
+  g.cx = 5;
+  g.cx_right = 3;
+  const auto message = to_disparity_image(disparity, g, {}, {});
+  EXPECT_EQ(values(*message), (std::vector<float>{8, -3}));
+  EXPECT_EQ(message->min_disparity, -2);
+  EXPECT_EQ(message->max_disparity, 61);
+  // The cloud is of the same disparity: Z = f T / (x_l - x_r - (cx_l - cx_r)).
+  const auto cloud =
+      to_point_cloud2(disparity, make_reprojection(g, 0), cv::Mat1b::zeros(1, 2), {}, {});
+  float z = 0;
+  std::memcpy(&z, &cloud->data[8], sizeof z);
+  EXPECT_FLOAT_EQ(z, 400 * 0.25 / 8);
+}
+
+TEST(Conversions, ValidWindowLiesInTheImage) {
+  Parameters parameters;
+  const auto window = [&](cv::Size size) {
+    return to_disparity_image(cv::Mat1w(size, kNone), geometry(size), parameters, {})->valid_window;
+  };
+  auto w = window({640, 480});
+  EXPECT_EQ(w.x_offset, 64U + 7 - 1);
+  EXPECT_EQ(w.y_offset, 7U);
+  EXPECT_EQ(w.width, 640U - 1 - 7 - 70);
+  EXPECT_EQ(w.height, 480U - 1 - 14);
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(10, 10), cv::Size(71, 15)}) {
+    w = window(size);
+    EXPECT_LE(w.x_offset + w.width, static_cast<unsigned>(size.width));
+    EXPECT_LE(w.y_offset + w.height, static_cast<unsigned>(size.height));
+  }
+  parameters.min_disparity = -20;
+  w = window({640, 480});
+  EXPECT_EQ(w.x_offset, 64U - 20 + 7 - 1);
+  EXPECT_EQ(w.width, 640U - 1 - 20 - 50);
+}
+
+TEST(Conversions, CameraInfoSurvivesFieldByField) {
+  sensor_msgs::CameraInfo info = synthetic_pair({64, 48}, 3, true).right_info;
+  info.binning_x = 2;
+  info.binning_y = 3;
+  info.roi.x_offset = 4;
+  info.roi.y_offset = 5;
+  info.roi.width = 20;
+  info.roi.height = 30;
+  const CameraCalibration c = to_calibration(info);
+  EXPECT_EQ(c.width, 64);
+  EXPECT_EQ(c.height, 48);
+  EXPECT_EQ(c.distortion_model, "plumb_bob");
+  EXPECT_EQ(c.D, info.D);
+  EXPECT_TRUE(std::equal(c.K.begin(), c.K.end(), info.K.begin()));
+  EXPECT_TRUE(std::equal(c.R.begin(), c.R.end(), info.R.begin()));
+  EXPECT_TRUE(std::equal(c.P.begin(), c.P.end(), info.P.begin()));
+  EXPECT_EQ(c.binning_x, 2);
+  EXPECT_EQ(c.binning_y, 3);
+  EXPECT_EQ(c.roi, cv::Rect(4, 5, 20, 30));
+}
+
+TEST(Conversions, GeometryIsThatOfImageGeometryWithBinningAndRoi) {
+  PairMessages pair = synthetic_pair({640, 480}, 3, true);
+  for (sensor_msgs::CameraInfo* info : {&pair.left_info, &pair.right_info}) {
+    info->binning_x = info->binning_y = 2;
+    info->roi.x_offset = 40;
+    info->roi.y_offset = 20;
+    info->roi.width = 320;
+    info->roi.height = 200;
+  }
+  image_geometry::StereoCameraModel model;
+  ASSERT_TRUE(model.fromCameraInfo(pair.left_info, pair.right_info));
+  const auto ours =
+      make_stereo_rectification(to_calibration(pair.left_info), to_calibration(pair.right_info), 0);
+  ASSERT_TRUE(ours) << ours.error().message;
+  EXPECT_EQ(ours->geometry.image_size, cv::Size(160, 100));
+  EXPECT_DOUBLE_EQ(ours->geometry.fx, model.right().fx());
+  EXPECT_DOUBLE_EQ(ours->geometry.fy, model.left().fy());
+  EXPECT_DOUBLE_EQ(ours->geometry.cx, model.left().cx());
+  EXPECT_DOUBLE_EQ(ours->geometry.cx_right, model.right().cx());
+  EXPECT_DOUBLE_EQ(ours->geometry.cy, model.left().cy());
+  EXPECT_DOUBLE_EQ(ours->geometry.baseline, model.baseline());
+}
+
+TEST(Conversions, GreyOf16BitsIsScaledTo8) {
+  cv_bridge::CvImage image({}, "mono16", (cv::Mat1w(1, 3) << 0, 32768, 65535));
+  const auto grey = to_grey(image.toImageMsg(), "left");
+  ASSERT_TRUE(grey);
+  EXPECT_EQ(grey->at<std::uint8_t>(0, 0), 0);
+  EXPECT_EQ(grey->at<std::uint8_t>(0, 1), 128);
+  EXPECT_EQ(grey->at<std::uint8_t>(0, 2), 255);
+}
+
+TEST(Conversions, Mono8IsSharedAndNotCopied) {
+  const auto message =
+      cv_bridge::CvImage({}, "mono8", cv::Mat1b(4, 4, std::uint8_t{9})).toImageMsg();
+  const auto grey = to_grey(message, "left");
+  ASSERT_TRUE(grey);
+  EXPECT_EQ(grey->data, message->data.data());
+}
+
+TEST(Conversions, ImageRoundTrips) {
+  std_msgs::Header header;
+  header.frame_id = "somewhere";
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_32FC1}) {
+    cv::Mat image(5, 7, type);
+    cv::randu(image, 0, 200);
+    const auto message = to_image(image, header);
+    EXPECT_EQ(message->header.frame_id, "somewhere");
+    EXPECT_EQ(cv::norm(cv_bridge::toCvCopy(*message)->image, image, cv::NORM_INF), 0);
+  }
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

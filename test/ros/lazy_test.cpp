@@ -1,0 +1,125 @@
+// No subscriber, no work, per output; and settings that change while the node runs.
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <stereo_msgs/DisparityImage.h>
+
+#include <memory>
+
+#include "ros/rig.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+using sensor_msgs::Image;
+using stereo_msgs::DisparityImage;
+
+const cv::Size kSize(160, 120);
+
+TEST(Lazy, NobodyListensAndTheNodeIsDeaf) {
+  Rig rig;
+  EXPECT_TRUE(rig.node_is_deaf());
+  const StereoStatus status = rig.status();
+  EXPECT_EQ(status.state, "idle: nobody listens");
+  EXPECT_EQ(status.source, "software");
+}
+
+TEST(Lazy, TheLastUnsubscriberStopsTheWork) {
+  Rig rig;
+  auto first = std::make_unique<Listener<DisparityImage>>(rig.nh(), "disparity");
+  auto second = std::make_unique<Listener<Image>>(rig.nh(), "left/image_rect");
+  ASSERT_TRUE(rig.node_listens());
+  ASSERT_TRUE(first->with_stamp(rig.publish(synthetic_pair(kSize, 12))));
+  first.reset();
+  EXPECT_TRUE(second->with_stamp(rig.publish(synthetic_pair(kSize, 12))));
+  second.reset();
+  ASSERT_TRUE(rig.node_is_deaf());
+  const StereoStatus before = rig.status();
+  rig.publish(synthetic_pair(kSize, 12));
+  const StereoStatus after = rig.status();
+  EXPECT_EQ(after.frames_in, before.frames_in);
+  EXPECT_EQ(after.state, "idle: nobody listens");
+}
+
+TEST(Lazy, RectifiedImagesAloneNeedNoMatching) {
+  Rig rig;
+  Listener<Image> rect(rig.nh(), "right/image_rect");
+  ASSERT_TRUE(rig.node_listens());
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(rect.with_stamp(rig.publish(synthetic_pair(kSize, 12, true))));
+    ros::WallDuration(0.3).sleep();
+  }
+  const StereoStatus status =
+      rig.status_when([](const StereoStatus& s) { return s.publish_ms > 0; });
+  EXPECT_GT(status.publish_ms, 0);
+  EXPECT_EQ(status.match_ms, 0);
+  EXPECT_EQ(status.spike_ms, 0);
+}
+
+TEST(Reconfigure, TakesEffectWhileTheNodeRuns) {
+  Rig rig;
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  for (const int range : {32, 128, 64}) {
+    rig.reconfigure("disparity_range", std::to_string(range));
+    const auto message = disparity.with_stamp(rig.publish(synthetic_pair(kSize, 12)));
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->max_disparity, range - 1);
+  }
+  rig.reconfigure("subpixel", "false");
+  const auto whole = disparity.with_stamp(rig.publish(synthetic_pair(kSize, 12)));
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->delta_d, 1);
+  rig.reconfigure("subpixel", "true");
+}
+
+TEST(Reconfigure, RefusedValuesAreWrittenBack) {
+  Rig rig;
+  EXPECT_EQ(value_of(rig.reconfigure("correlation_window_size", "12"), "correlation_window_size"),
+            "15");
+  EXPECT_EQ(value_of(rig.reconfigure("disparity_range", "50"), "disparity_range"), "64");
+  EXPECT_EQ(value_of(rig.reconfigure("census_pattern", "dense"), "census_pattern"), "sparse");
+  EXPECT_EQ(value_of(rig.reconfigure("depth_encoding", "8UC1"), "depth_encoding"), "32FC1");
+  EXPECT_EQ(value_of(rig.reconfigure("census_pattern", "full"), "census_pattern"), "full");
+  EXPECT_EQ(value_of(rig.reconfigure("census_pattern", "sparse"), "census_pattern"), "sparse");
+}
+
+TEST(Reconfigure, WhileFramesAreUnderWayLosesNone) {
+  Rig rig;
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  for (int i = 0; i < 60; ++i) {
+    const ros::Time stamp = rig.publish(synthetic_pair(kSize, 12));
+    rig.reconfigure("disparity_range", std::to_string(16 + 8 * (i % 10)));
+    rig.reconfigure("census_window_size", std::to_string(5 + 2 * (i % 4)));
+    ASSERT_TRUE(disparity.with_stamp(stamp));
+  }
+  rig.reconfigure("disparity_range", "64");
+  rig.reconfigure("census_window_size", "11");
+}
+
+TEST(Diagnostics, SayWhatTheStatusSays) {
+  Rig rig;
+  ros::NodeHandle root;
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics(root, "/diagnostics");
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  const auto has = [&](int level, const std::string& words) {
+    return eventually([&] {
+      const auto last = diagnostics.last();
+      if (!last || last->status.empty()) return false;
+      const auto& status = last->status.front();
+      return status.level == level && status.message.find(words) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(has(diagnostic_msgs::DiagnosticStatus::WARN, "no images"));
+  PairMessages pair = synthetic_pair(kSize, 12);
+  rig.publish(pair);
+  EXPECT_TRUE(has(diagnostic_msgs::DiagnosticStatus::OK, "streaming"));
+  pair.left_info.K[0] = 0;
+  rig.publish(pair);
+  EXPECT_TRUE(has(diagnostic_msgs::DiagnosticStatus::ERROR, "uncalibrated"));
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

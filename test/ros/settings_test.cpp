@@ -1,0 +1,181 @@
+// The dynamic_reconfigure description against the table of core, and what is refused.
+#include "fpga_stereo/ros/settings.hpp"
+
+#include <dynamic_reconfigure/Config.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "fpga_stereo/ros/stamp_gate.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+std::map<std::string, std::string> texts(const StereoConfig& config) {
+  dynamic_reconfigure::Config message;
+  config.__toMessage__(message);
+  std::map<std::string, std::string> result;
+  const auto text = [](auto value) {
+    std::ostringstream out;
+    out << value;
+    return out.str();
+  };
+  for (const auto& p : message.ints) result[p.name] = text(p.value);
+  for (const auto& p : message.doubles) result[p.name] = text(p.value);
+  for (const auto& p : message.strs) result[p.name] = p.value;
+  for (const auto& p : message.bools) result[p.name] = p.value != 0 ? "true" : "false";
+  return result;
+}
+
+TEST(Settings, ReconfigureHasTheDefaultsAndRangesOfCore) {
+  const auto defaults = texts(StereoConfig::__getDefault__());
+  const auto least = texts(StereoConfig::__getMin__());
+  const auto most = texts(StereoConfig::__getMax__());
+  for (const ParameterInfo& info : parameter_table()) {
+    ASSERT_EQ(defaults.count(info.name), 1U) << info.name;
+    EXPECT_EQ(defaults.at(info.name), to_text(Parameters(), info)) << info.name;
+    const bool number = std::holds_alternative<int Parameters::*>(info.member) ||
+                        std::holds_alternative<double Parameters::*>(info.member);
+    if (!number) continue;
+    EXPECT_EQ(std::stod(least.at(info.name)), info.min) << info.name;
+    EXPECT_EQ(std::stod(most.at(info.name)), info.max) << info.name;
+  }
+}
+
+TEST(Settings, YamlFilesNameKnownParametersAndStereoYamlAllWithTheirDefaults) {
+  const auto defaults = texts(StereoConfig::__getDefault__());
+  for (const std::string file : {"stereo.yaml", "paper.yaml"}) {
+    std::ifstream stream(std::string(FPGA_STEREO_CONFIG_DIR) + "/" + file);
+    ASSERT_TRUE(stream) << file;
+    std::map<std::string, std::string> values;
+    for (std::string line; std::getline(stream, line);) {
+      line = line.substr(0, line.find('#'));
+      const auto colon = line.find(": ");
+      if (colon == std::string::npos) continue;
+      std::string value = line.substr(colon + 2);
+      value.erase(value.find_last_not_of(' ') + 1);
+      values[line.substr(0, colon)] = value;
+    }
+    ASSERT_GT(values.size(), 10U);
+    for (const auto& [name, value] : values) {
+      if (name == "sync_tolerance") {
+        EXPECT_EQ(std::stod(value), SyncSettings().sync_tolerance);
+        continue;
+      }
+      ASSERT_EQ(defaults.count(name), 1U) << name << " in " << file;
+      const bool paper = file == "paper.yaml" && name == "census_pattern";
+      if (paper) {
+        EXPECT_EQ(value, "full");
+      } else if (std::isdigit(static_cast<unsigned char>(value[0])) != 0 && value != "32FC1") {
+        EXPECT_EQ(std::stod(value), std::stod(defaults.at(name))) << name;
+      } else {
+        EXPECT_EQ(value, defaults.at(name)) << name;
+      }
+    }
+    if (file == "stereo.yaml") {
+      EXPECT_EQ(values.size(), defaults.size() + 1) << "all of them, and sync_tolerance";
+    }
+  }
+}
+
+TEST(Settings, WhatIsNotAllowedKeepsWhatWasAndIsNamed) {
+  const StereoConfig accepted = StereoConfig::__getDefault__();
+  StereoConfig config = accepted;
+  config.correlation_window_size = 14;
+  config.disparity_range = 66;
+  config.cloud_fields = "hsv";
+  config.uniqueness_ratio = 20;
+  std::vector<std::string> refusals;
+  const Settings settings = to_settings(config, accepted, refusals);
+  EXPECT_EQ(config.correlation_window_size, 15);
+  EXPECT_EQ(config.disparity_range, 64);
+  EXPECT_EQ(config.cloud_fields, "rgb");
+  EXPECT_EQ(config.uniqueness_ratio, 20);
+  EXPECT_EQ(settings.pipeline.correlation_window_size, 15);
+  EXPECT_EQ(settings.pipeline.uniqueness_ratio, 20);
+  ASSERT_EQ(refusals.size(), 3U);
+  EXPECT_EQ(refusals[0], "cloud_fields = hsv: allowed rgb or mono or xyz; using rgb");
+  EXPECT_EQ(refusals[1], "correlation_window_size = 14: allowed 5 to 21 in steps of 2; using 15");
+  EXPECT_EQ(refusals[2], "disparity_range = 66: allowed 8 to 256 in steps of 4; using 64");
+}
+
+TEST(Settings, EveryValueReachesItsSetting) {
+  StereoConfig config = StereoConfig::__getDefault__();
+  config.min_disparity = 3;
+  config.disparity_range = 128;
+  config.census_window_size = 9;
+  config.census_pattern = "full";
+  config.correlation_window_size = 11;
+  config.left_right_check = false;
+  config.disp12MaxDiff = 2;
+  config.uniqueness_check = false;
+  config.uniqueness_ratio = 12.5;
+  config.subpixel = false;
+  config.speckle_size = 100;
+  config.speckle_range = 4;
+  config.cloud_fields = "mono";
+  config.cloud_padded = false;
+  config.cloud_organized = false;
+  config.cloud_decimation = 2;
+  config.cloud_max_rate = 7.5;
+  config.depth_encoding = "16UC1";
+  config.num_threads = 3;
+  std::vector<std::string> refusals;
+  const Settings s = to_settings(config, StereoConfig::__getDefault__(), refusals);
+  EXPECT_TRUE(refusals.empty());
+  EXPECT_EQ(s.pipeline.min_disparity, 3);
+  EXPECT_EQ(s.pipeline.disparity_range, 128);
+  EXPECT_EQ(s.pipeline.census_window_size, 9);
+  EXPECT_EQ(s.pipeline.census_pattern, CensusPattern::kFull);
+  EXPECT_EQ(s.pipeline.correlation_window_size, 11);
+  EXPECT_FALSE(s.pipeline.left_right_check);
+  EXPECT_EQ(s.pipeline.disp12MaxDiff, 2);
+  EXPECT_FALSE(s.pipeline.uniqueness_check);
+  EXPECT_EQ(s.pipeline.uniqueness_ratio, 12.5);
+  EXPECT_FALSE(s.pipeline.subpixel);
+  EXPECT_EQ(s.pipeline.speckle_size, 100);
+  EXPECT_EQ(s.pipeline.speckle_range, 4);
+  EXPECT_EQ(s.cloud.color, PointColor::kMono);
+  EXPECT_FALSE(s.cloud.padded);
+  EXPECT_FALSE(s.cloud.organized);
+  EXPECT_EQ(s.cloud.decimation, 2);
+  EXPECT_EQ(s.cloud_max_rate, 7.5);
+  EXPECT_EQ(s.depth_encoding, DepthEncoding::kMillimetres);
+  EXPECT_EQ(s.num_threads, 3);
+}
+
+TEST(StampGate, PassesWhatIsInOrder) {
+  StampGate gate;
+  EXPECT_FALSE(gate.check(ros::Time(10, 0)));
+  EXPECT_FALSE(gate.check(ros::Time(10, 1)));
+  EXPECT_FALSE(gate.check(ros::Time(1000)));
+}
+
+TEST(StampGate, RefusesZeroTwiceAndLate) {
+  StampGate gate;
+  EXPECT_TRUE(gate.check(ros::Time(0)));
+  EXPECT_FALSE(gate.check(ros::Time(10)));
+  EXPECT_TRUE(gate.check(ros::Time(10)));
+  EXPECT_TRUE(gate.check(ros::Time(9)));
+  EXPECT_FALSE(gate.check(ros::Time(11)));
+}
+
+TEST(StampGate, TheSameLateFrameAgainAndAgainIsNoNewStart) {
+  StampGate gate;
+  EXPECT_FALSE(gate.check(ros::Time(10)));
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(gate.check(ros::Time(9)));
+}
+
+TEST(StampGate, FramesInOrderAmongThemselvesAreANewStart) {
+  StampGate gate;
+  EXPECT_FALSE(gate.check(ros::Time(100)));
+  EXPECT_TRUE(gate.check(ros::Time(1)));
+  EXPECT_TRUE(gate.check(ros::Time(2)));
+  EXPECT_FALSE(gate.check(ros::Time(3)));
+  EXPECT_FALSE(gate.check(ros::Time(4)));
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

@@ -1,0 +1,174 @@
+// evaluate on a small tree with known percentages, and on the real images where there are any.
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "programs.hpp"
+#include "support/middlebury.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+const cv::Size kSize(96, 48);
+// Far enough from the borders of the image, where the windows see what only one camera sees.
+const cv::Rect kAllRect(50, 0, 28, 48);
+const cv::Rect kNonOccludedRect(50, 0, 20, 48);
+const cv::Rect kDiscRect(50, 0, 10, 48);
+const cv::Rect kWrongTruth(50, 0, 5, 48);  // truth that no disparity agrees with
+// Hence the percentages of bad pixels:
+constexpr double kNonocc = 25, kAllBad = 100.0 * 5 / 28, kDisc = 50;
+constexpr double kMean = (kNonocc + kAllBad + kDisc) / 3;
+
+/// Shift of each scene; that of venus lies beyond the 20 disparities of the benchmark.
+constexpr std::array<int, 4> kShifts{5, 22, 9, 30};
+
+/// pattern, configuration, measure -> tsukuba, venus, teddy, cones, average.
+std::map<std::string, std::vector<double>> read_csv(const std::string& path) {
+  std::istringstream file(bytes(path));
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "pattern,configuration,measure,tsukuba,venus,teddy,cones,average");
+  std::map<std::string, std::vector<double>> rows;
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    std::string name, cell;
+    for (int i = 0; i < 3; ++i) {
+      std::getline(cells, cell, ',');
+      name += (i > 0 ? " " : "") + cell;
+    }
+    while (std::getline(cells, cell, ',')) rows[name].push_back(std::stod(cell));
+  }
+  return rows;
+}
+
+class Evaluate : public ProgramTest {
+ protected:
+  void write_tree() const {
+    for (std::size_t i = 0; i < kMiddleburyScenes.size(); ++i) {
+      const MiddleburyScene& scene = kMiddleburyScenes[i];
+      const std::string folder = std::string("data/") + scene.name + "/";
+      const NoisePair pair = noise_pair(kSize, kShifts[i], static_cast<int>(i) + 1);
+      write(folder + "imL.png", pair.left);
+      write(folder + "imR.png", pair.right);
+      cv::Mat1b truth(kSize, static_cast<std::uint8_t>(kShifts[i] * scene.truth_scale));
+      truth(kWrongTruth) = static_cast<std::uint8_t>((kShifts[i] + 2) * scene.truth_scale);
+      write(folder + "groundtruth.png", truth);
+      write(folder + "all.png", mask(kAllRect, 0));
+      cv::Mat three_channels;
+      cv::merge(std::vector<cv::Mat>(3, mask(kNonOccludedRect, 0)), three_channels);
+      write(folder + "nonocc.png", three_channels);
+      write(folder + "disc.png", mask(kDiscRect, 128));
+    }
+  }
+  static cv::Mat1b mask(const cv::Rect& evaluated, int elsewhere) {
+    cv::Mat1b image(kSize, static_cast<std::uint8_t>(elsewhere));
+    image(evaluated) = 255;
+    return image;
+  }
+  static void expect_row(const std::map<std::string, std::vector<double>>& rows,
+                         const std::string& name, double value, double venus) {
+    ASSERT_EQ(rows.count(name), 1U) << name;
+    const std::vector<double>& row = rows.at(name);
+    ASSERT_EQ(row.size(), 5U) << name;
+    for (const std::size_t i : {0, 2, 3}) EXPECT_NEAR(row[i], value, 1e-4) << name << " " << i;
+    EXPECT_NEAR(row[1], venus, 1e-4) << name << " venus";
+    EXPECT_NEAR(row[4], (3 * value + venus) / 4, 1e-4) << name << " average";
+  }
+};
+
+TEST_F(Evaluate, KnownPercentages) {
+  write_tree();
+  const Outcome run = evaluate(
+      {at("data"), "--csv", at("out.csv"), "--disparity_range", "64", "--pictures", at("a/b")});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto rows = read_csv(at("out.csv"));
+  EXPECT_EQ(rows.size(), 20U);
+  for (const std::string pattern : {"sparse", "full"}) {
+    for (const std::string configuration : {" dense ", " filled "}) {
+      expect_row(rows, pattern + configuration + "nonocc", kNonocc, kNonocc);
+      expect_row(rows, pattern + configuration + "all", kAllBad, kAllBad);
+      expect_row(rows, pattern + configuration + "disc", kDisc, kDisc);
+      expect_row(rows, pattern + configuration + "mean", kMean, kMean);
+    }
+    expect_row(rows, pattern + " semi-dense nonocc", kNonocc, kNonocc);
+    expect_row(rows, pattern + " semi-dense coverage", 100, 100);
+  }
+  // The table has a title, a line of names and as many rows, all of one width.
+  std::istringstream table(run.out);
+  std::string line;
+  std::vector<std::size_t> widths;
+  while (std::getline(table, line)) widths.push_back(line.size());
+  ASSERT_EQ(widths.size(), 22U) << run.out;
+  for (std::size_t i = 2; i < widths.size(); ++i) EXPECT_EQ(widths[i], widths[1]) << run.out;
+  EXPECT_NE(run.out.find("30.95"), std::string::npos) << run.out;  // kMean
+
+  const cv::Mat errors = cv::imread(at("a/b/teddy_full_dense_errors.png"), cv::IMREAD_UNCHANGED);
+  cv::Mat1b expected(kSize, std::uint8_t{128});
+  expected(kAllRect) = 0;
+  expected(kWrongTruth) = 255;
+  EXPECT_TRUE(equal(errors, expected));
+  EXPECT_EQ(cv::imread(at("a/b/venus_sparse_semi-dense_disparity.png")).size(), kSize);
+}
+
+TEST_F(Evaluate, EveryPairHasTheRangeOfTheBenchmark) {
+  write_tree();
+  const Outcome run =
+      evaluate({at("data"), "--csv", at("out.csv"), "--census_pattern", "full", "--threads", "1"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto rows = read_csv(at("out.csv"));
+  EXPECT_EQ(rows.size(), 10U);  // one pattern only
+  expect_row(rows, "full dense nonocc", kNonocc, 100);
+  expect_row(rows, "full dense mean", kMean, 100);
+}
+
+TEST_F(Evaluate, ParametersReachTheDenseConfigurationToo) {
+  write_tree();
+  ASSERT_EQ(evaluate({at("data"), "--csv", at("out.csv"), "--census_pattern", "sparse",
+                      "--min_disparity", "6", "--disparity_range", "32"})
+                .code,
+            0);
+  const auto rows = read_csv(at("out.csv"));
+  // 5 px, the shift of tsukuba, lies below the search; 6 px are found at the least.
+  EXPECT_NEAR(rows.at("sparse dense nonocc")[2], kNonocc, 1e-4);
+  EXPECT_GT(rows.at("sparse dense nonocc")[0], 80);
+}
+
+TEST_F(Evaluate, NamesWhatIsAbsent) {
+  write_tree();
+  std::remove(at("data/teddy/disc.png").c_str());
+  Outcome run = evaluate({at("data")});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.err.find(at("data/teddy/disc.png")), std::string::npos) << run.err;
+  write("data/teddy/disc.png", cv::Mat1b(3, 4, std::uint8_t{0}));
+  run = evaluate({at("data")});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.err.find("disc.png: is 4x3: imL.png is 96x48"), std::string::npos) << run.err;
+  run = evaluate({at("nowhere")});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.err.find(at("nowhere/tsukuba")), std::string::npos) << run.err;
+  EXPECT_EQ(run.out, "");
+}
+
+TEST_F(Evaluate, Usage) {
+  EXPECT_EQ(evaluate({"--help"}).code, 0);
+  EXPECT_EQ(evaluate({}).code, 2);
+  const Outcome run = evaluate({at("data"), "--speckle_size", "1001"});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_NE(run.err.find("0 to 1000"), std::string::npos) << run.err;
+}
+
+TEST_F(Evaluate, RealImages) {
+  const std::string folder = test_data("middlebury_v2");
+  if (folder.empty()) GTEST_SKIP() << "no folder middlebury_v2 in the test images";
+  const Outcome run = evaluate({folder, "--csv", at("out.csv")});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.err.find("libpng"), std::string::npos) << run.err;
+  const auto rows = read_csv(at("out.csv"));
+  EXPECT_LE(rows.at("sparse dense mean")[4], 14.8);
+  EXPECT_LE(rows.at("full dense mean")[4], 15.2);
+  EXPECT_LE(rows.at("sparse semi-dense nonocc")[4], 2.5);
+  EXPECT_GE(rows.at("sparse semi-dense coverage")[4], 80);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,78 @@
+// The counts of the evaluation, by hand.
+#include "support/middlebury.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fpga_stereo/core/stages.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+constexpr std::uint16_t kNone = kNoDisparity;
+
+/// One row of pixels, scale 4, everything evaluated.
+MiddleburyPair row_of_truth(const cv::Mat1b& truth) {
+  MiddleburyPair pair;
+  pair.scene = {"row", 4, 60};
+  pair.truth = truth;
+  for (cv::Mat1b& mask : pair.masks) mask = cv::Mat1b(truth.size(), std::uint8_t{255});
+  return pair;
+}
+
+TEST(Score, MoreThanOnePixelIsBad) {
+  // 10.25 px; exactly 1 px off is right, 1/32 px more is bad.
+  const MiddleburyPair pair = row_of_truth((cv::Mat1b(1, 5) << 41, 41, 41, 41, 41));
+  const cv::Mat1w disparity = (cv::Mat1w(1, 5) << 360, 361, 296, 295, 328);
+  const Score s = score(pair, kAll, disparity, 0);
+  EXPECT_EQ(s.evaluated, 5);
+  EXPECT_EQ(s.valid, 5);
+  EXPECT_EQ(s.bad, 2);
+  EXPECT_DOUBLE_EQ(s.bad_of_all(), 40);
+  EXPECT_EQ(score(pair, kAll, disparity - 96, 3).bad, 2);  // min_disparity is added
+}
+
+TEST(Score, HolesAndMasks) {
+  MiddleburyPair pair = row_of_truth((cv::Mat1b(1, 5) << 40, 40, 40, 40, 40));
+  pair.masks[kDiscontinuities] = (cv::Mat1b(1, 5) << 255, 255, 255, 255, 128);
+  const cv::Mat1w disparity = (cv::Mat1w(1, 5) << 320, kNone, kNone, 0, 0);
+  const Score s = score(pair, kDiscontinuities, disparity, 0);
+  EXPECT_EQ(s.evaluated, 4);
+  EXPECT_EQ(s.valid, 2);
+  EXPECT_EQ(s.bad, 1);
+  EXPECT_DOUBLE_EQ(s.bad_of_all(), 75);
+  EXPECT_DOUBLE_EQ(s.bad_of_valid(), 50);
+  EXPECT_DOUBLE_EQ(s.coverage(), 50);
+}
+
+TEST(Score, NothingToEvaluate) {
+  MiddleburyPair pair = row_of_truth((cv::Mat1b(1, 2) << 40, 40));
+  pair.masks[kAll] = 0;
+  const Score s = score(pair, kAll, cv::Mat1w(1, 2, kNone), 0);
+  EXPECT_EQ(s.bad_of_all(), 0);
+  EXPECT_EQ(s.bad_of_valid(), 0);
+  EXPECT_EQ(s.coverage(), 0);
+}
+
+TEST(ErrorPicture, Colours) {
+  MiddleburyPair pair = row_of_truth((cv::Mat1b(1, 4) << 40, 40, 40, 40));
+  pair.masks[kAll](0, 3) = 0;
+  const cv::Mat1w disparity = (cv::Mat1w(1, 4) << 320, 0, kNone, 320);
+  const auto same = [](const cv::Mat1b& a, const cv::Mat1b& b) {
+    return cv::countNonZero(a != b) == 0;
+  };
+  EXPECT_TRUE(
+      same(error_picture(pair, kAll, disparity, 0, true), (cv::Mat1b(1, 4) << 0, 255, 255, 128)));
+  EXPECT_TRUE(
+      same(error_picture(pair, kAll, disparity, 0, false), (cv::Mat1b(1, 4) << 0, 255, 128, 128)));
+}
+
+TEST(FillHoles, TakesTheBackground) {
+  const cv::Mat1w disparity = (cv::Mat1w(2, 7) << kNone, 5, kNone, kNone, 3, 9, kNone,  //
+                               kNone, kNone, kNone, kNone, kNone, kNone, kNone);
+  const cv::Mat1w filled = (cv::Mat1w(2, 7) << 5, 5, 3, 3, 3, 9, 9,  //
+                            kNone, kNone, kNone, kNone, kNone, kNone, kNone);
+  EXPECT_EQ(cv::countNonZero(fill_holes(disparity) != filled), 0);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::tools
