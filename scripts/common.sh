@@ -9,7 +9,8 @@ build=$root/build
 # Nothing but the distribution's programs: a python3 from elsewhere in PATH breaks catkin.
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 export DEBIAN_FRONTEND=noninteractive
-export ROS_HOSTNAME=localhost
+unset ROS_HOSTNAME
+export ROS_IP=127.0.0.1  # nothing here leaves the machine
 export ROS_LOG_DIR=$build/ros/log
 export ROS_HOME=$build/ros/home
 

@@ -4,6 +4,8 @@
 #include <sstream>
 #include <tuple>
 
+#include "fpga_stereo/core/stages.hpp"
+
 namespace fpga_stereo {
 namespace {
 
@@ -79,16 +81,23 @@ Status validate_size(const CameraCalibration& camera, const std::string& name) {
     return error(ErrorKind::kCalibration, name, " camera_info width x height = ", camera.width, "x",
                  camera.height, ": allowed 1x1 or more");
   }
-  const cv::Rect all(0, 0, camera.width, camera.height);
-  if ((camera.roi & all) != camera.roi) {
-    return error(ErrorKind::kCalibration, name, " camera_info roi ", text(camera.roi.size()), "+",
-                 camera.roi.x, "+", camera.roi.y, " reaches out of the image of ",
-                 text(all.size()));
+  const cv::Rect& roi = camera.roi;
+  const bool inside = roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
+                      roi.width <= camera.width && roi.x <= camera.width - roi.width &&
+                      roi.height <= camera.height && roi.y <= camera.height - roi.height;
+  if (roi != cv::Rect() && !inside) {
+    return error(ErrorKind::kCalibration, name, " camera_info roi ", text(roi.size()), "+", roi.x,
+                 "+", roi.y, " is no part of the image of ", text({camera.width, camera.height}),
+                 "; all 0 means all of it");
   }
-  const cv::Size size = camera.image_size();
-  if (size.empty()) {
+  if (camera.binning_x < 0 || camera.binning_y < 0 || camera.image_size().empty()) {
     return error(ErrorKind::kCalibration, name, " camera_info binning ", camera.binning_x, "x",
                  camera.binning_y, " leaves no pixel");
+  }
+  const cv::Size size = camera.image_size();
+  if (size.width > kMaxWidth || size.height > kMaxHeight) {
+    return error(ErrorKind::kImageSize, name, " camera_info gives images of ", text(size),
+                 ": allowed up to ", text({kMaxWidth, kMaxHeight}));
   }
   return {};
 }
@@ -96,7 +105,7 @@ Status validate_size(const CameraCalibration& camera, const std::string& name) {
 }  // namespace
 
 cv::Size CameraCalibration::image_size() const {
-  const cv::Size full = roi.empty() ? cv::Size(width - roi.x, height - roi.y) : roi.size();
+  const cv::Size full = roi.empty() ? cv::Size(width, height) : roi.size();
   return {full.width / std::max(1, binning_x), full.height / std::max(1, binning_y)};
 }
 

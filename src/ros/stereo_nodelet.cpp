@@ -68,22 +68,28 @@ void StereoNodelet::onInit() {
   updater_ = std::make_unique<diagnostic_updater::Updater>(nh, private_nh, getName());
   updater_->setHardwareID("none");
   updater_->add("disparity", this, &StereoNodelet::diagnose);
-  timer_ = nh.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { on_timer(); });
 
-  // Subscribers may come while the outputs are being advertised.
+  // Subscribers may come while the outputs are being advertised; the timer reads what is built
+  // here.
   const std::lock_guard<std::mutex> lock(mutex_);
   source_ = std::make_unique<SoftwareSource>(nh, private_nh, sync, health_,
                                              [this](const StereoFrame& f) { on_frame(f); });
   source_->set_settings(settings_);
   outputs_ = std::make_unique<Outputs>(nh, [this] { on_subscribers(); });
+  timer_ = nh.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { on_timer(); });
 }
 
 StereoNodelet::~StereoNodelet() {
   timer_.stop();
   reconfigure_.reset();
   updater_.reset();
-  // The source first: its thread uses the outputs.
-  source_.reset();
+  // The source first: its thread uses the outputs. Without the lock: its thread may wait for it.
+  std::unique_ptr<SoftwareSource> source;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    source = std::move(source_);  // from here on subscribers change nothing
+  }
+  source.reset();
   outputs_.reset();
 }
 

@@ -121,6 +121,21 @@ TEST(CalibrationRefusal, EmptyCameraInfoIsUncalibrated) {
                  ErrorKind::kUncalibrated);
 }
 
+TEST(CalibrationRefusal, ImageLargerThanThePipelineTakes) {
+  expect_refused(
+      [](CameraCalibration& c) {
+        c.width = 1'000'000;
+        c.height = 1'000'000;
+      },
+      {"1000000x1000000", "1920x1200"}, ErrorKind::kImageSize);
+}
+
+TEST(CalibrationRefusal, RegionAndBinningOutOfTheRangeOfInt) {
+  expect_refused([](CameraCalibration& c) { c.roi = {-5, 0, 20, 20}; }, {"roi"});
+  expect_refused([](CameraCalibration& c) { c.roi = {10, 10, 0x7FFFFFFF, 20}; }, {"roi"});
+  expect_refused([](CameraCalibration& c) { c.binning_x = -1; }, {"binning -1"});
+}
+
 TEST(CalibrationRefusal, MirrorIsNoRotation) {
   expect_refused([](CameraCalibration& c) { c.R = {1, 0, 0, 0, -1, 0, 0, 0, 1}; },
                  {"R is no rotation", "determinant -1"});
