@@ -106,7 +106,7 @@ TEST(Outputs, EveryInputEncodingGivesTheDisparityOfItsGreyImage) {
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   ASSERT_TRUE(rig.node_listens());
   const PairMessages grey = synthetic_pair(kSize, 12);
-  for (const std::string encoding : {"mono8", "mono16", "bgr8", "rgb8", "bgra8", "rgba8", "8UC1",
+  for (const std::string encoding : {"mono8", "mono16", "bgr8", "rgb8", "bgra8", "rgba8",
                                      "bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"}) {
     PairMessages pair = grey;
     for (Image* image : {&pair.left, &pair.right}) {
