@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
         "of the stereo pair: ROS_NAMESPACE=my_stereo rosrun fpga_stereo stereo");
   }
   nodelet::Loader loader(false);  // no services of a manager
-  const nodelet::M_string remappings = ros::names::getRemappings();
+  const nodelet::M_string& remappings = ros::names::getRemappings();
   const nodelet::V_string arguments(argv + 1, argv + argc);
   if (!loader.load(ros::this_node::getName(), "fpga_stereo/stereo", remappings, arguments)) {
     ROS_FATAL("The nodelet fpga_stereo/stereo cannot be loaded");
