@@ -7,6 +7,20 @@
 #include "fpga_stereo/ros/conversions.hpp"
 
 namespace fpga_stereo {
+namespace {
+
+/// The picture in colour; that of a grey camera is `grey`, where that is made already.
+Result<cv::Mat> rectified_color(const sensor_msgs::ImageConstPtr& image, const std::string& camera,
+                                const Mesh& mesh, const cv::Mat& grey, const Settings& settings) {
+  const auto raw = to_bgr(image, camera);
+  if (!raw) return raw.error();
+  if (raw->channels() == 1 && !grey.empty()) return grey;
+  cv::Mat color;
+  rectify_in_bands(*raw, mesh, settings.num_threads, color);
+  return color;
+}
+
+}  // namespace
 
 SoftwareSource::SoftwareSource(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                                const SyncSettings& sync, Health& health, Callback callback)
@@ -120,10 +134,15 @@ const Result<StereoRectification>& SoftwareSource::rectification(const InputPair
 
 Result<StereoFrame> SoftwareSource::make(const InputPair& pair, const Demand& demand,
                                          const Settings& settings) {
-  const Parameters& parameters = settings.pipeline;
-  const auto& made = rectification(pair, parameters.min_disparity);
+  const auto& made = rectification(pair, settings.pipeline.min_disparity);
   if (!made) return made.error();
   const StereoRectification& meshes = *made;
+  const auto left = to_grey(pair.left, "left");
+  if (!left) return left.error();
+  const auto right = to_grey(pair.right, "right");
+  if (!right) return right.error();
+  if (Status s = validate_image(*left, meshes, "left"); !s) return s.error();
+  if (Status s = validate_image(*right, meshes, "right"); !s) return s.error();
 
   StereoFrame frame;
   frame.header = pair.left->header;
@@ -132,50 +151,32 @@ Result<StereoFrame> SoftwareSource::make(const InputPair& pair, const Demand& de
   frame.left_info = *pair.left_info;
   frame.geometry = meshes.geometry;
   frame.settings = settings;
-
-  const auto left = to_grey(pair.left, "left");
-  if (!left) return left.error();
-  const auto right = to_grey(pair.right, "right");
-  if (!right) return right.error();
-  if (Status s = validate_image(*left, meshes, "left"); !s) return s.error();
-  if (Status s = validate_image(*right, meshes, "right"); !s) return s.error();
-
-  const int threads = settings.num_threads;
   if (demand.disparity) {
-    const Taps& taps = pipeline_.process(*left, *right, meshes, parameters, threads);
+    const Taps& taps =
+        pipeline_.process(*left, *right, meshes, settings.pipeline, settings.num_threads);
     frame.disparity = taps.disparity;
     frame.left_rect = taps.left;
-    if (parameters.min_disparity == 0) frame.right_rect = taps.right;
+    if (settings.pipeline.min_disparity == 0) frame.right_rect = taps.right;
     frame.ms = taps.ms;
   }
   // What the pipeline has not made on its way.
-  const auto rectified = [&](bool wanted, const cv::Mat& raw, const Mesh& mesh, cv::Mat& out) {
-    if (wanted && out.empty()) rectify_in_bands(raw, mesh, threads, out);
-  };
-  rectified(demand.left_rect, *left, meshes.left.mesh, frame.left_rect);
-  rectified(demand.right_rect, *right, meshes.right_unshifted, frame.right_rect);
-
-  const auto colored = [&](bool wanted, const sensor_msgs::ImageConstPtr& image,
-                           const std::string& name, const Mesh& mesh, const cv::Mat& grey,
-                           cv::Mat& out) -> std::optional<Error> {
-    if (!wanted) return std::nullopt;
-    const auto color = to_bgr(image, name);
-    if (!color) return color.error();
-    // A grey camera's picture in colour is its grey picture.
-    if (color->channels() == 1 && !grey.empty()) {
-      out = grey;
-    } else {
-      rectify_in_bands(*color, mesh, threads, out);
-    }
-    return std::nullopt;
-  };
-  if (auto e = colored(demand.left_color, pair.left, "left", meshes.left.mesh, frame.left_rect,
-                       frame.left_color)) {
-    return *e;
+  const Mesh& left_mesh = meshes.left.mesh;
+  const Mesh& right_mesh = meshes.right_unshifted;
+  if (demand.left_rect && frame.left_rect.empty()) {
+    rectify_in_bands(*left, left_mesh, settings.num_threads, frame.left_rect);
   }
-  if (auto e = colored(demand.right_color, pair.right, "right", meshes.right_unshifted,
-                       frame.right_rect, frame.right_color)) {
-    return *e;
+  if (demand.right_rect && frame.right_rect.empty()) {
+    rectify_in_bands(*right, right_mesh, settings.num_threads, frame.right_rect);
+  }
+  if (demand.left_color) {
+    const auto color = rectified_color(pair.left, "left", left_mesh, frame.left_rect, settings);
+    if (!color) return color.error();
+    frame.left_color = *color;
+  }
+  if (demand.right_color) {
+    const auto color = rectified_color(pair.right, "right", right_mesh, frame.right_rect, settings);
+    if (!color) return color.error();
+    frame.right_color = *color;
   }
   return frame;
 }

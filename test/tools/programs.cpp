@@ -2,13 +2,13 @@
 
 #include <sys/wait.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "support/data.hpp"
 #include "support/files.hpp"
 #include "support/stereo_info.hpp"
 
@@ -93,8 +93,7 @@ bool equal(const cv::Mat& a, const cv::Mat& b) {
 }
 
 std::string test_data(const std::string& name) {
-  const char* given = std::getenv("FPGA_STEREO_DATA");
-  const fs::path folder = fs::path(given != nullptr ? given : FPGA_STEREO_DATA_DIR) / name;
+  const fs::path folder = fs::path(test::data_dir().value_or("")) / name;
   return fs::is_directory(folder) ? folder.string() : "";
 }
 

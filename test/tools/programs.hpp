@@ -48,8 +48,7 @@ std::string bytes(const std::string& path);
 /// Every value and type.
 bool equal(const cv::Mat& a, const cv::Mat& b);
 
-/// The folder of the test images called `name`; empty where it is absent. FPGA_STEREO_DATA says
-/// where the images are.
+/// The folder of the test images called `name`; empty where it is absent.
 std::string test_data(const std::string& name);
 
 /// Noise, and the same moved: left pixel (x, y) is right pixel (x - disparity, y).
