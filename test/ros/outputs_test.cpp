@@ -126,6 +126,35 @@ TEST(Outputs, EveryInputEncodingGivesTheDisparityOfItsGreyImage) {
   }
 }
 
+TEST(Outputs, ColorOfTheCameraReachesImageAndCloud) {
+  Rig rig;
+  Listener<Image> color(rig.nh(), "left/image_rect_color");
+  Listener<Image> grey(rig.nh(), "left/image_rect");
+  Listener<PointCloud2> cloud(rig.nh(), "points2");
+  ASSERT_TRUE(rig.node_listens());
+  PairMessages pair = synthetic_pair(kSize, 12);
+  for (Image* image : {&pair.left, &pair.right}) {
+    const auto header = image->header;
+    const cv::Mat texture = cv_bridge::toCvCopy(*image)->image;
+    const std::vector<cv::Mat> bgr{texture, texture / 2, 255 - texture};
+    cv::Mat merged;
+    cv::merge(bgr, merged);
+    *image = *cv_bridge::CvImage(header, "bgr8", merged).toImageMsg();
+  }
+  const ros::Time stamp = rig.publish(pair);
+  const auto picture = color.with_stamp(stamp);
+  const auto points = cloud.with_stamp(stamp);
+  ASSERT_TRUE(picture && points && grey.with_stamp(stamp));
+  EXPECT_EQ(picture->encoding, "bgr8");
+  EXPECT_EQ(picture->data, pair.left.data) << "nothing is to be rectified here";
+  EXPECT_EQ(grey.last()->encoding, "mono8");
+  int wrong = 0;
+  for (unsigned i = 0; i < 160 * 120; ++i) {
+    wrong += std::memcmp(&points->data[i * 32 + 16], &pair.left.data[i * 3], 3) != 0;
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST(Outputs, MinimumDisparityShiftsTheSearchAndNotTheResult) {
   Rig rig;
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
