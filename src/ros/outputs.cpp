@@ -13,14 +13,16 @@ Outputs::Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed
   const image_transport::SubscriberStatusCallback on_image_change = [changed](const auto&) {
     changed();
   };
-  const auto advertise_image = [&](const char* topic) {
+  const auto advertise_image = [&](const std::string& topic) {
     return transport_.advertise(topic, 1, on_image_change, on_image_change);
   };
   ros::NodeHandle handle(nh);
-  left_rect_ = advertise_image("left/image_rect");
-  right_rect_ = advertise_image("right/image_rect");
-  left_color_ = advertise_image("left/image_rect_color");
-  right_color_ = advertise_image("right/image_rect_color");
+  const auto advertise_camera = [&](const std::string& side) -> CameraOutputs {
+    return {advertise_image(side + "/image_mono"), advertise_image(side + "/image_color"),
+            advertise_image(side + "/image_rect"), advertise_image(side + "/image_rect_color")};
+  };
+  left_ = advertise_camera("left");
+  right_ = advertise_camera("right");
   depth_ = advertise_image("depth");
   disparity_color_ = advertise_image("disparity_color");
   depth_info_ =
@@ -29,41 +31,54 @@ Outputs::Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed
   points2_ = handle.advertise<sensor_msgs::PointCloud2>("points2", 1, on_change, on_change);
 }
 
+CameraDemand Outputs::CameraOutputs::demand() const {
+  CameraDemand demand;
+  demand.mono = mono.getNumSubscribers() > 0;
+  demand.color = color.getNumSubscribers() > 0;
+  demand.rect = rect.getNumSubscribers() > 0;
+  demand.rect_color = rect_color.getNumSubscribers() > 0;
+  return demand;
+}
+
 Demand Outputs::demand(const Settings& settings) const {
   const bool cloud = points2_.getNumSubscribers() > 0;
   Demand demand;
-  demand.left_rect = left_rect_.getNumSubscribers() > 0 || cloud;
-  demand.right_rect = right_rect_.getNumSubscribers() > 0;
-  demand.left_color =
-      left_color_.getNumSubscribers() > 0 || (cloud && settings.cloud.color == PointColor::kRgb);
-  demand.right_color = right_color_.getNumSubscribers() > 0;
+  demand.left = left_.demand();
+  demand.right = right_.demand();
+  demand.left.rect = demand.left.rect || cloud;
+  demand.left.rect_color =
+      demand.left.rect_color || (cloud && settings.cloud.color == PointColor::kRgb);
   demand.disparity = cloud || disparity_.getNumSubscribers() > 0 ||
                      depth_.getNumSubscribers() > 0 || depth_info_.getNumSubscribers() > 0 ||
                      disparity_color_.getNumSubscribers() > 0;
   return demand;
 }
 
-void Outputs::publish(const StereoFrame& frame) {
-  const auto publish_image = [](const image_transport::Publisher& to, const cv::Mat& image,
-                                const std_msgs::Header& header) {
-    if (to.getNumSubscribers() > 0 && !image.empty()) to.publish(to_image(image, header));
+void Outputs::CameraOutputs::publish(const CameraImages& images) const {
+  const auto publish_image = [&](const image_transport::Publisher& to, const cv::Mat& image) {
+    if (to.getNumSubscribers() > 0 && !image.empty()) to.publish(to_image(image, images.header));
   };
-  publish_image(left_rect_, frame.left_rect, frame.header);
-  publish_image(right_rect_, frame.right_rect, frame.right_header);
-  publish_image(left_color_, frame.left_color, frame.header);
-  publish_image(right_color_, frame.right_color, frame.right_header);
+  publish_image(mono, images.mono);
+  publish_image(color, images.color);
+  publish_image(rect, images.rect);
+  publish_image(rect_color, images.rect_color);
+}
+
+void Outputs::publish(const StereoFrame& frame) {
+  left_.publish(frame.left);
+  right_.publish(frame.right);
   if (frame.disparity.empty()) return;
 
   const Parameters& parameters = frame.settings.pipeline;
   if (disparity_.getNumSubscribers() > 0) {
     disparity_.publish(
-        to_disparity_image(frame.disparity, frame.geometry, parameters, frame.header));
+        to_disparity_image(frame.disparity, frame.geometry, parameters, frame.left.header));
   }
   publish_depth(frame);
   if (disparity_color_.getNumSubscribers() > 0) {
     cv::Mat3b picture;
     to_color(frame.disparity, parameters.disparity_range, picture);
-    disparity_color_.publish(to_image(picture, frame.header));
+    disparity_color_.publish(to_image(picture, frame.left.header));
   }
   publish_cloud(frame);
 }
@@ -74,33 +89,33 @@ void Outputs::publish_depth(const StereoFrame& frame) const {
     if (frame.settings.depth_encoding == DepthEncoding::kMetres) {
       cv::Mat1f metres;
       to_depth(frame.disparity, r, metres);
-      depth_.publish(to_image(metres, frame.header));
+      depth_.publish(to_image(metres, frame.left.header));
     } else {
       cv::Mat1w millimetres;
       to_depth(frame.disparity, r, millimetres);
-      depth_.publish(to_image(millimetres, frame.header));
+      depth_.publish(to_image(millimetres, frame.left.header));
     }
   }
   if (depth_info_.getNumSubscribers() > 0) {
     sensor_msgs::CameraInfo info = frame.left_info;
-    info.header = frame.header;
+    info.header = frame.left.header;
     info.P[3] = 0;
     depth_info_.publish(info);
   }
 }
 
 void Outputs::publish_cloud(const StereoFrame& frame) {
-  if (points2_.getNumSubscribers() == 0 || frame.left_rect.empty()) return;
+  if (points2_.getNumSubscribers() == 0 || frame.left.rect.empty()) return;
   const Settings& settings = frame.settings;
-  const double elapsed = (frame.header.stamp - last_cloud_).toSec();
+  const double elapsed = (frame.left.header.stamp - last_cloud_).toSec();
   // A tenth of a period early is in time: stamps jitter. Time that moved back starts anew.
   const bool early = elapsed >= 0 && elapsed * settings.cloud_max_rate < 0.9;
   if (settings.cloud_max_rate > 0 && early) return;
-  last_cloud_ = frame.header.stamp;
-  const cv::Mat& color = frame.left_color.empty() ? frame.left_rect : frame.left_color;
+  last_cloud_ = frame.left.header.stamp;
+  const cv::Mat& color = frame.left.rect_color.empty() ? frame.left.rect : frame.left.rect_color;
   points2_.publish(to_point_cloud2(
       frame.disparity, make_reprojection(frame.geometry, settings.pipeline.min_disparity), color,
-      settings.cloud, frame.header));
+      settings.cloud, frame.left.header));
 }
 
 }  // namespace fpga_stereo

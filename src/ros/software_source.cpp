@@ -9,15 +9,23 @@
 namespace fpga_stereo {
 namespace {
 
-/// The picture in colour; that of a grey camera is `grey`, where that is made already.
-Result<cv::Mat> rectified_color(const sensor_msgs::ImageConstPtr& image, const std::string& camera,
-                                const Mesh& mesh, const cv::Mat& grey, const Settings& settings) {
-  const auto raw = to_bgr(image, camera);
-  if (!raw) return raw.error();
-  if (raw->channels() == 1 && !grey.empty()) return grey;
-  cv::Mat color;
-  rectify_in_bands(*raw, mesh, settings.num_threads, color);
-  return color;
+/// Adds to `images` what is asked for and not there yet. `image` has been read as grey before.
+Status add_pictures(const sensor_msgs::ImageConstPtr& image, const std::string& camera,
+                    const Mesh& mesh, const CameraDemand& demand, int num_threads,
+                    CameraImages& images) {
+  if (demand.rect && images.rect.empty()) {
+    rectify_in_bands(images.mono, mesh, num_threads, images.rect);
+  }
+  if (!demand.color && !demand.rect_color) return {};
+  const auto color = to_bgr(image, camera);
+  if (!color) return color.error();
+  images.color = *color;
+  if (demand.rect_color && color->channels() == 1 && !images.rect.empty()) {
+    images.rect_color = images.rect;
+  } else if (demand.rect_color) {
+    rectify_in_bands(*color, mesh, num_threads, images.rect_color);
+  }
+  return {};
 }
 
 }  // namespace
@@ -145,39 +153,29 @@ Result<StereoFrame> SoftwareSource::make(const InputPair& pair, const Demand& de
   if (Status s = validate_image(*right, meshes, "right"); !s) return s.error();
 
   StereoFrame frame;
-  frame.header = pair.left->header;
-  frame.right_header = pair.right->header;
-  frame.right_header.stamp = frame.header.stamp;
+  frame.left.header = pair.left->header;
+  frame.right.header = pair.right->header;
+  frame.right.header.stamp = frame.left.header.stamp;
+  frame.left.mono = *left;
+  frame.right.mono = *right;
   frame.left_info = *pair.left_info;
   frame.geometry = meshes.geometry;
   frame.settings = settings;
+  const int threads = settings.num_threads;
   if (demand.disparity) {
-    const Taps& taps =
-        pipeline_.process(*left, *right, meshes, settings.pipeline, settings.num_threads);
+    const Taps& taps = pipeline_.process(*left, *right, meshes, settings.pipeline, threads);
     frame.disparity = taps.disparity;
-    frame.left_rect = taps.left;
-    if (settings.pipeline.min_disparity == 0) frame.right_rect = taps.right;
+    frame.left.rect = taps.left;
+    if (settings.pipeline.min_disparity == 0) frame.right.rect = taps.right;
     frame.ms = taps.ms;
   }
-  // What the pipeline has not made on its way.
-  const Mesh& left_mesh = meshes.left.mesh;
-  const Mesh& right_mesh = meshes.right_unshifted;
-  if (demand.left_rect && frame.left_rect.empty()) {
-    rectify_in_bands(*left, left_mesh, settings.num_threads, frame.left_rect);
+  Status added =
+      add_pictures(pair.left, "left", meshes.left.mesh, demand.left, threads, frame.left);
+  if (added) {
+    added = add_pictures(pair.right, "right", meshes.right_unshifted, demand.right, threads,
+                         frame.right);
   }
-  if (demand.right_rect && frame.right_rect.empty()) {
-    rectify_in_bands(*right, right_mesh, settings.num_threads, frame.right_rect);
-  }
-  if (demand.left_color) {
-    const auto color = rectified_color(pair.left, "left", left_mesh, frame.left_rect, settings);
-    if (!color) return color.error();
-    frame.left_color = *color;
-  }
-  if (demand.right_color) {
-    const auto color = rectified_color(pair.right, "right", right_mesh, frame.right_rect, settings);
-    if (!color) return color.error();
-    frame.right_color = *color;
-  }
+  if (!added) return added.error();
   return frame;
 }
 

@@ -116,7 +116,7 @@ void StereoNodelet::on_frame(const StereoFrame& frame) {
   const ros::WallTime start = ros::WallTime::now();
   outputs_->publish(frame);
   const double publish_ms = (ros::WallTime::now() - start).toSec() * 1e3;
-  const double latency_ms = (ros::Time::now() - frame.header.stamp).toSec() * 1e3;
+  const double latency_ms = (ros::Time::now() - frame.left.header.stamp).toSec() * 1e3;
   health_.published(frame.ms, publish_ms, latency_ms);
 }
 

@@ -130,6 +130,8 @@ TEST(Outputs, ColorOfTheCameraReachesImageAndCloud) {
   Rig rig;
   Listener<Image> color(rig.nh(), "left/image_rect_color");
   Listener<Image> grey(rig.nh(), "left/image_rect");
+  Listener<Image> raw_color(rig.nh(), "left/image_color");
+  Listener<Image> raw_mono(rig.nh(), "right/image_mono");
   Listener<PointCloud2> cloud(rig.nh(), "points2");
   ASSERT_TRUE(rig.node_listens());
   PairMessages pair = synthetic_pair(kSize, 12);
@@ -148,6 +150,11 @@ TEST(Outputs, ColorOfTheCameraReachesImageAndCloud) {
   EXPECT_EQ(picture->encoding, "bgr8");
   EXPECT_EQ(picture->data, pair.left.data) << "nothing is to be rectified here";
   EXPECT_EQ(grey.last()->encoding, "mono8");
+  ASSERT_TRUE(raw_color.with_stamp(stamp) && raw_mono.with_stamp(stamp));
+  EXPECT_EQ(raw_color.last()->encoding, "bgr8");
+  EXPECT_EQ(raw_color.last()->data, pair.left.data);
+  EXPECT_EQ(raw_mono.last()->encoding, "mono8");
+  EXPECT_EQ(raw_mono.last()->data, cv_bridge::toCvCopy(pair.right, "mono8")->toImageMsg()->data);
   int wrong = 0;
   for (unsigned i = 0; i < 160 * 120; ++i) {
     wrong += std::memcmp(&points->data[i * 32 + 16], &pair.left.data[i * 3], 3) != 0;

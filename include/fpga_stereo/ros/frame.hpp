@@ -11,25 +11,36 @@
 
 namespace fpga_stereo {
 
-/// What somebody listens to; a source makes nothing else.
-struct Demand {
-  bool left_rect = false, right_rect = false;
-  bool left_color = false, right_color = false;
-  bool disparity = false;
+/// The pictures of one camera that somebody listens to.
+struct CameraDemand {
+  bool mono = false, color = false;       // as the camera sees
+  bool rect = false, rect_color = false;  // rectified
 
-  bool any() const { return left_rect || right_rect || left_color || right_color || disparity; }
+  bool any() const { return mono || color || rect || rect_color; }
 };
 
-/// What a source made of one pair of images. What was not asked for is empty.
+/// What somebody listens to; a source makes nothing else.
+struct Demand {
+  CameraDemand left, right;
+  bool disparity = false;
+
+  bool any() const { return left.any() || right.any() || disparity; }
+};
+
+/// The pictures of one camera; those not asked for are empty. mono and rect are 8UC1, color and
+/// rect_color 8UC3 bgr, or 8UC1 where the camera sees grey.
+struct CameraImages {
+  std_msgs::Header header;  // stamp of the pair, frame_id of this camera's image
+  cv::Mat mono, color, rect, rect_color;
+};
+
+/// What a source made of one pair of images.
 struct StereoFrame {
-  std_msgs::Header header;        // stamp of the pair, frame_id of the left image
-  std_msgs::Header right_header;  // the same stamp, frame_id of the right image
+  CameraImages left, right;
   sensor_msgs::CameraInfo left_info;
   StereoGeometry geometry;
-  Settings settings;                // that it was made with
-  cv::Mat left_rect, right_rect;    // 8UC1
-  cv::Mat left_color, right_color;  // 8UC3 bgr, or 8UC1 where the camera sees grey
-  cv::Mat1w disparity;              // 1/32 px, kNoDisparity = none
+  Settings settings;    // that it was made with
+  cv::Mat1w disparity;  // 1/32 px, kNoDisparity = none; empty where not asked for
   StageTimes ms{};
 };
 

@@ -22,11 +22,19 @@ class Outputs {
   void publish(const StereoFrame& frame);
 
  private:
+  /// The topics of one camera, named as image_proc names them.
+  struct CameraOutputs {
+    image_transport::Publisher mono, color, rect, rect_color;
+
+    CameraDemand demand() const;
+    void publish(const CameraImages& images) const;
+  };
+
   void publish_depth(const StereoFrame& frame) const;
   void publish_cloud(const StereoFrame& frame);
 
   image_transport::ImageTransport transport_;
-  image_transport::Publisher left_rect_, right_rect_, left_color_, right_color_;
+  CameraOutputs left_, right_;
   image_transport::Publisher depth_, disparity_color_;
   ros::Publisher depth_info_, disparity_, points2_;
   ros::Time last_cloud_;  // stamp
