@@ -130,10 +130,12 @@ std::string TopicInput::complaint() const {
   text << std::fixed << std::setprecision(4) << "not synchronised: the latest stamps of "
        << nh_.resolveName(kTopicNames[first - arrivals_.begin()]) << " and "
        << nh_.resolveName(kTopicNames[last - arrivals_.begin()]) << " are "
-       << (last->stamp - first->stamp).toSec() << " s apart; "
-       << (settings_.approximate_sync
-               ? "sync_tolerance is " + std::to_string(settings_.sync_tolerance)
-               : "all four must be equal, unless approximate_sync is set");
+       << (last->stamp - first->stamp).toSec() << " s apart; ";
+  if (settings_.approximate_sync) {
+    text << "sync_tolerance is " << settings_.sync_tolerance << " s";
+  } else {
+    text << "all four must be equal, unless approximate_sync is set";
+  }
   return text.str();
 }
 

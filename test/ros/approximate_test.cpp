@@ -1,0 +1,55 @@
+// approximate_sync: images whose stamps differ a little are pairs, others are not.
+#include <gtest/gtest.h>
+#include <stereo_msgs/DisparityImage.h>
+
+#include "ros/rig.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+constexpr int kFrames = 10;
+
+/// Publishes frames `period` apart, the right ones `offset` later; their left stamps.
+std::vector<ros::Time> publish(Rig& rig, double period, double offset) {
+  std::vector<ros::Time> stamps;
+  PairMessages pair = synthetic_pair({160, 120}, 12);
+  const ros::Time start = ros::Time::now();
+  for (int i = 0; i < kFrames; ++i) {
+    stamps.push_back(start + ros::Duration(period * i));
+    pair.set_stamp(stamps.back());
+    pair.right.header.stamp += ros::Duration(offset);
+    pair.right_info.header.stamp += ros::Duration(offset);
+    rig.publish(pair, true);
+    ros::WallDuration(period).sleep();
+  }
+  return stamps;
+}
+
+TEST(Approximate, PairsWithinTheToleranceHaveTheStampOfTheLeftImage) {
+  Rig rig;
+  Listener<stereo_msgs::DisparityImage> disparity(rig.nh(), "disparity");
+  Listener<sensor_msgs::Image> right(rig.nh(), "right/image_rect");
+  ASSERT_TRUE(rig.node_listens());
+  const auto stamps = publish(rig, 0.2, 0.01);
+  // The synchronizer waits for the next messages before it decides: the last ones stay.
+  for (int i = 0; i < kFrames - 2; ++i) {
+    EXPECT_TRUE(disparity.with_stamp(stamps[i])) << i;
+    EXPECT_TRUE(right.with_stamp(stamps[i])) << i;
+  }
+}
+
+TEST(Approximate, PairsBeyondTheToleranceAreNone) {
+  Rig rig;
+  Listener<stereo_msgs::DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  const StereoStatus before = rig.status();
+  publish(rig, 0.5, 0.2);
+  const StereoStatus after = rig.status();
+  EXPECT_EQ(disparity.count(), 0U);
+  EXPECT_EQ(after.frames_published, before.frames_published);
+  EXPECT_GT(after.dropped_unsynchronized, before.dropped_unsynchronized);
+  EXPECT_NE(after.state.find("sync_tolerance is 0.1"), std::string::npos) << after.state;
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test
