@@ -83,7 +83,8 @@ StereoNodelet::~StereoNodelet() {
   timer_.stop();
   reconfigure_.reset();
   updater_.reset();
-  // The source first: its thread uses the outputs. Without the lock: its thread may wait for it.
+  // The source first: its thread uses the outputs. Outside the lock: it waits for callbacks under
+  // way, and one of a subscriber may wait for the lock.
   std::unique_ptr<SoftwareSource> source;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
