@@ -100,14 +100,16 @@ std::string allowed_values(const ParameterInfo& info) {
   return text;
 }
 
+std::string to_text(CensusPattern pattern) {
+  return pattern == CensusPattern::kFull ? kFullName : kSparseName;
+}
+
 std::string to_text(const Parameters& parameters, const ParameterInfo& info) {
   struct Writer {
     std::string operator()(int value) const { return std::to_string(value); }
     std::string operator()(double value) const { return number(value); }
     std::string operator()(bool value) const { return value ? "true" : "false"; }
-    std::string operator()(CensusPattern value) const {
-      return value == CensusPattern::kFull ? kFullName : kSparseName;
-    }
+    std::string operator()(CensusPattern value) const { return to_text(value); }
   };
   return std::visit([&](auto member) { return Writer{}(parameters.*member); }, info.member);
 }

@@ -73,6 +73,14 @@ class Peer : public testing::Test {
     ros::WallDuration(0.5).sleep();
   }
 
+  /// One frame through a bag; its stamp.
+  ros::Time play_synthetic_frame() {
+    PairMessages pair = synthetic_pair({160, 120}, 12, true);
+    pair.set_stamp(ros::Time::now());
+    play(rig_, {pair});
+    return pair.left.header.stamp;
+  }
+
   Rig rig_;
   ros::NodeHandle peer_{"peer"};
   Listener<DisparityImage> disparity_{rig_.nh(), "disparity"};
@@ -85,11 +93,9 @@ class Peer : public testing::Test {
 };
 
 TEST_F(Peer, DisparityFields) {
-  PairMessages pair = synthetic_pair({160, 120}, 12, true);
-  pair.set_stamp(ros::Time::now());
-  play(rig_, {pair});
-  const auto ours = disparity_.with_stamp(pair.left.header.stamp);
-  const auto theirs = peer_disparity_.with_stamp(pair.left.header.stamp);
+  const ros::Time stamp = play_synthetic_frame();
+  const auto ours = disparity_.with_stamp(stamp);
+  const auto theirs = peer_disparity_.with_stamp(stamp);
   ASSERT_TRUE(ours && theirs);
 
   EXPECT_EQ(ours->header.stamp, theirs->header.stamp);
@@ -133,11 +139,9 @@ TEST_F(Peer, DisparityFields) {
 }
 
 TEST_F(Peer, RectifiedImages) {
-  PairMessages pair = synthetic_pair({160, 120}, 12, true);
-  pair.set_stamp(ros::Time::now());
-  play(rig_, {pair});
-  const auto ours = rect_.with_stamp(pair.left.header.stamp);
-  const auto theirs = peer_rect_.with_stamp(pair.left.header.stamp);
+  const ros::Time stamp = play_synthetic_frame();
+  const auto ours = rect_.with_stamp(stamp);
+  const auto theirs = peer_rect_.with_stamp(stamp);
   ASSERT_TRUE(ours && theirs);
   EXPECT_EQ(ours->header.frame_id, theirs->header.frame_id);
   EXPECT_EQ(ours->encoding, theirs->encoding);
@@ -198,12 +202,10 @@ void expect_same_cloud(const PointCloud2& ours, const PointCloud2& theirs,
 }
 
 TEST_F(Peer, CloudOfTheSameDisparity) {
-  PairMessages pair = synthetic_pair({160, 120}, 12, true);
-  pair.set_stamp(ros::Time::now());
-  play(rig_, {pair});
-  const auto ours = cloud_.with_stamp(pair.left.header.stamp);
-  const auto theirs = peer_cloud_.with_stamp(pair.left.header.stamp);
-  const auto disparity = disparity_.with_stamp(pair.left.header.stamp);
+  const ros::Time stamp = play_synthetic_frame();
+  const auto ours = cloud_.with_stamp(stamp);
+  const auto theirs = peer_cloud_.with_stamp(stamp);
+  const auto disparity = disparity_.with_stamp(stamp);
   ASSERT_TRUE(ours && theirs && disparity);
   expect_same_cloud(*ours, *theirs, *disparity);
 }

@@ -49,16 +49,12 @@ struct Evaluation {
   bool range_given = false;
 };
 
-std::string pattern_name(CensusPattern pattern) {
-  return pattern == CensusPattern::kFull ? "full" : "sparse";
-}
-
 void write_pictures(const Evaluation& evaluation, const MiddleburyPair& pair,
                     const std::string& configuration, Region region, bool holes_count,
                     const cv::Mat1w& disparity, const Parameters& p) {
   if (evaluation.pictures.empty()) return;
   const std::string stem = concat(evaluation.pictures, "/", pair.scene.name, "_",
-                                  pattern_name(p.census_pattern), "_", configuration);
+                                  to_text(p.census_pattern), "_", configuration);
   cv::Mat3b picture;
   to_color(disparity, p.disparity_range, picture);
   write_image(stem + "_disparity.png", picture);
@@ -146,12 +142,12 @@ void evaluate(const Arguments& arguments) {
   Progress progress("evaluate", patterns.size() * pairs.size());
   std::vector<ReportRow> all_rows;
   for (const CensusPattern pattern : patterns) {
-    std::vector<ReportRow> rows = empty_rows(pattern_name(pattern));
+    std::vector<ReportRow> rows = empty_rows(to_text(pattern));
     Parameters p = evaluation.given;
     p.census_pattern = pattern;
     for (std::size_t scene = 0; scene < pairs.size(); ++scene) {
       evaluate_pair(evaluation, pairs[scene], scene, p, rows);
-      progress.done(concat(pairs[scene].scene.name, " ", pattern_name(pattern)));
+      progress.done(concat(pairs[scene].scene.name, " ", to_text(pattern)));
     }
     all_rows.insert(all_rows.end(), rows.begin(), rows.end());
   }

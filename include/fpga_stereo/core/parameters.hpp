@@ -50,6 +50,9 @@ const std::vector<ParameterInfo>& parameter_table();
 /// What a value may be, for messages: "8 to 256 in steps of 4", "true or false".
 std::string allowed_values(const ParameterInfo& info);
 
+/// "sparse" or "full".
+std::string to_text(CensusPattern pattern);
+
 /// The value of one parameter as text.
 std::string to_text(const Parameters& parameters, const ParameterInfo& info);
 

@@ -27,7 +27,7 @@ struct Demand {
   bool any() const { return left.any() || right.any() || disparity; }
 };
 
-/// The pictures of one camera; those not asked for are empty. mono and rect are 8UC1, color and
+/// The pictures of one camera; those not asked for may be empty. mono and rect are 8UC1, color and
 /// rect_color 8UC3 bgr, or 8UC1 where the camera sees grey.
 struct CameraImages {
   std_msgs::Header header;  // stamp of the pair, frame_id of this camera's image
