@@ -1,4 +1,3 @@
-#include <cmath>
 #include <cstdlib>
 #include <opencv2/core.hpp>
 
@@ -9,7 +8,7 @@ namespace fpga_stereo {
 void check(const Selection& s, const Parameters& p, cv::Range rows, cv::Mat1b& kept) {
   kept.create(s.winner.size());
   if (rows == cv::Range::all()) rows = {0, kept.rows};
-  const auto ratio = static_cast<std::uint32_t>(std::lround(256 * (1 + p.uniqueness_ratio / 100)));
+  const int factor = uniqueness_factor(p);
 
   for (int y = rows.start; y < rows.end; ++y) {
     for (int x = 0; x < kept.cols; ++x) {
@@ -19,7 +18,7 @@ void check(const Selection& s, const Parameters& p, cv::Range rows, cv::Mat1b& k
         keep = x - d >= 0 && std::abs(s.right_winner(y, x - d) - d) <= p.disp12MaxDiff;
       }
       if (p.uniqueness_check) {
-        keep = keep && 256U * s.rival_sum(y, x) > ratio * s.winner_sum(y, x);
+        keep = keep && kUniquenessScale * s.rival_sum(y, x) > factor * s.winner_sum(y, x);
       }
       kept(y, x) = keep ? 1 : 0;
     }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "fpga_stereo/core/spec.hpp"
+
 namespace fpga_stereo {
 namespace {
 
@@ -82,7 +84,7 @@ const std::vector<ParameterInfo>& parameter_table() {
       {"uniqueness_ratio", &P::uniqueness_ratio, 0, 100, 1, "percent",
        "how much worse every rival must be"},
       flag("subpixel", &P::subpixel, "refine to 1/32 px; otherwise whole pixels"),
-      integer("speckle_size", &P::speckle_size, 0, 1000, 1, "px",
+      integer("speckle_size", &P::speckle_size, 0, kSpeckleMax, 1, "px",
               "regions of fewer pixels are dropped; 0 switches this off"),
       integer("speckle_range", &P::speckle_range, 0, 31, 1, "px",
               "largest step between neighbours of one region"),
@@ -131,6 +133,10 @@ Status set_parameter(Parameters& parameters, const std::string& name, const std:
   std::string names;
   for (const ParameterInfo& info : parameter_table()) names += " " + info.name;
   return Error{ErrorKind::kInvalid, "unknown parameter \"" + name + "\": known are" + names};
+}
+
+int uniqueness_factor(const Parameters& parameters) {
+  return static_cast<int>(std::lround(kUniquenessScale * (1 + parameters.uniqueness_ratio / 100)));
 }
 
 Status validate(const Parameters& parameters) {

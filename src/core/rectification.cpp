@@ -85,7 +85,7 @@ BufferNeed buffer_need(const Mesh& mesh, cv::Size raw) {
     const MeshRow row(mesh, y);
     for (int x = 0; x < mesh.size.width; ++x) {
       const cv::Point source = row.source(x);
-      const cv::Point tap(source.x >> 5, source.y >> 5);
+      const cv::Point tap(source.x >> kSourceShift, source.y >> kSourceShift);
       // Of the 2 x 2 pixels, those in the raw image; the others read as 0.
       const int left = std::max(tap.x, 0), right = std::min(tap.x + 1, raw.width - 1);
       const int top = std::max(tap.y, 0), bottom = std::min(tap.y + 1, raw.height - 1);

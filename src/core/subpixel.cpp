@@ -12,8 +12,10 @@ int vertex(const cv::Vec<std::uint16_t, 5>& c) {
   const int num = 2 * c[0] + c[1] - c[3] - 2 * c[4];
   const int den = 2 * c[0] - c[1] - 2 * c[2] - c[3] + 2 * c[4];
   if (den <= 0) return 0;
-  // round(a / b) = floor((2 a + b) / 2 b) for a, b >= 0; here a = 32 * 7 |num|, b = 10 den.
-  const int magnitude = (2 * kDisparityScale * 7 * std::abs(num) + 10 * den) / (2 * 10 * den);
+  // round(a / b) = floor((2 a + b) / 2 b) for a, b >= 0.
+  const int a = kDisparityScale * kSubpixelNumerator * std::abs(num);
+  const int b = kSubpixelDenominator * den;
+  const int magnitude = (2 * a + b) / (2 * b);
   const int clamped = std::min(magnitude, kDisparityScale);
   return num < 0 ? -clamped : clamped;
 }

@@ -4,11 +4,13 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "fpga_stereo/core/spec.hpp"
+
 namespace fpga_stereo {
 
-constexpr int kMeshPitch = 8;     // px between nodes
-constexpr int kMeshScale = 128;   // node units per px
-constexpr int kSourceScale = 32;  // source position units per px
+/// A source position shifted right by this is in whole px, rounded towards minus infinity.
+constexpr int kSourceShift = 5;
+static_assert(kSourceScale == 1 << kSourceShift);
 
 /// Displacement, source minus destination, at every 8th pixel of the rectified image.
 /// Node (i, j) stands at pixel (8 i, 8 j); there is one node past the last pixel, so that every

@@ -60,6 +60,10 @@ std::string to_text(const Parameters& parameters, const ParameterInfo& info);
 /// value and a value out of range; `parameters` is then unchanged.
 Status set_parameter(Parameters& parameters, const std::string& name, const std::string& text);
 
+/// N of the uniqueness check: kUniquenessScale (1 + uniqueness_ratio / 100), rounded half away from
+/// zero.
+int uniqueness_factor(const Parameters& parameters);
+
 /// Refuses the first parameter that is out of range, by name, value and range.
 Status validate(const Parameters& parameters);
 

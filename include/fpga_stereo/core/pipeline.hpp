@@ -7,15 +7,13 @@
 
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
+#include "fpga_stereo/core/spec.hpp"
 #include "fpga_stereo/core/stages.hpp"
 
 namespace fpga_stereo {
 
-enum class Stage { kRectify, kCensus, kMatch, kSelect, kCheck, kSubpixel, kSpike };
-constexpr std::array<const char*, 7> kStageNames{"rectify", "census",   "match", "select",
-                                                 "check",   "subpixel", "spike"};
 /// Wall-clock time of each stage, ms, by Stage.
-using StageTimes = std::array<double, kStageNames.size()>;
+using StageTimes = std::array<double, kNumStages>;
 
 /// The output of every stage for one frame. Valid until the next frame is processed.
 struct Taps {

@@ -15,13 +15,9 @@
 
 #include "fpga_stereo/core/mesh.hpp"
 #include "fpga_stereo/core/parameters.hpp"
+#include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo {
-
-constexpr int kDisparityScale = 32;             // a pixel of disparity is 32 units
-constexpr std::uint16_t kNoDisparity = 0xFFFF;  // in a disparity image
-constexpr int kSpikeLookAhead = 24;             // rows below a pixel that its region may use
-constexpr int kMaxWidth = 1920, kMaxHeight = 1200;
 
 /// What select knows of every left pixel (right_winner: of every right pixel).
 struct Selection {

@@ -1,0 +1,244 @@
+// Generated from fpga_fw/spec/spec.yaml by fpga_fw/tools/generate_spec: do not edit.
+//
+// The numbers that gateware and software share. C++ twin: include/fpga_stereo/core/spec.hpp; for
+// people: fpga_fw/spec/registers.md.
+
+/* verilator lint_off UNUSEDPARAM */  // no design uses every name
+package fs_pkg;
+  // The specification hash.
+  localparam logic [31:0] SpecHash = 32'hB018FDF5;
+
+  // Stages, in data order.
+  localparam int StageRectify = 0;   // both images onto common rows
+  localparam int StageCensus = 1;    // a bit per neighbour: darker or not
+  localparam int StageMatch = 2;     // window sums of Hamming distances
+  localparam int StageSelect = 3;    // the smallest sum, left and right
+  localparam int StageCheck = 4;     // left-right and uniqueness
+  localparam int StageSubpixel = 5;  // parabola through five sums
+  localparam int StageSpike = 6;     // small regions are dropped
+  localparam int NumStages = 7;
+
+  // Constants.
+  localparam int DisparityScale = 32;                          // units of a disparity per px
+  localparam int DisparityBits = 16;                           // of a disparity, unsigned
+  localparam logic [15:0] NoDisparity = 16'hFFFF;              // in a disparity image: none
+  localparam int SpikeLookAhead = 24;                          // rows below that a region may use
+  localparam int MeshPitch = 8;                                // px between nodes
+  localparam int MeshScale = 128;                              // units of a displacement per px
+  localparam int MeshBits = 16;                                // of a displacement, signed
+  localparam int SourceScale = 32;                             // units of a source position per px
+  localparam int MaxWidth = 1920;                              // px, software
+  localparam int MaxHeight = 1200;                             // px, software
+  localparam int GatewareMinWidth = 16;                        // px
+  localparam int GatewareMaxWidth = 1280;                      // px; a build may have less
+  localparam int GatewareMaxHeight = 1200;                     // px
+  localparam int PixelBits = 8;                                // of a grey value
+  localparam int UniquenessScale = 256;                        // uniqueness factor units per 1
+  localparam int SpeckleMax = 1000;                            // px, largest speckle_size
+  localparam int SubpixelNumerator = 7;                        // offset = 7 num / (10 den)
+  localparam int SubpixelDenominator = 10;                     // offset = 7 num / (10 den)
+  localparam logic [31:0] SignaturePolynomial = 32'h1EDC6F41;  // CRC-32C, without x^32
+  localparam logic [31:0] SignatureStart = 32'hFFFFFFFF;       // before the first pixel
+  localparam int RegisterBits = 32;                            // of a register
+  localparam int RegisterAddressBits = 8;                      // of a word address
+
+  // Registers: word address, reset value, fields.
+  localparam int NumRegisters = 33;
+
+  // IDENTITY (ro): "FST1", F in the top byte
+  localparam logic [7:0] RegIdentity = 8'h00;
+  localparam logic [31:0] RegIdentityReset = 32'h46535431;
+
+  // SPEC_HASH (ro): of the specification that the gateware was made from
+  localparam logic [7:0] RegSpecHash = 8'h01;
+  localparam logic [31:0] RegSpecHashReset = 32'hB018FDF5;
+
+  // VERSION (ro): of protocol and gateware
+  localparam logic [7:0] RegVersion = 8'h02;
+  localparam logic [31:0] RegVersionReset = 32'h00000001;
+  localparam int VersionMajorLsb = 16;
+  localparam int VersionMajorBits = 16;
+  localparam int VersionMinorLsb = 0;
+  localparam int VersionMinorBits = 16;
+
+  // BUILD (ro): build parameters
+  localparam logic [7:0] RegBuild = 8'h03;
+  localparam int BuildMaxWidthLsb = 0;
+  localparam int BuildMaxWidthBits = 12;
+  localparam int BuildDisparitiesLsb = 12;
+  localparam int BuildDisparitiesBits = 8;
+  localparam int BuildCensusWindowLsb = 20;
+  localparam int BuildCensusWindowBits = 4;
+  localparam int BuildCorrelationWindowLsb = 24;
+  localparam int BuildCorrelationWindowBits = 5;
+  localparam int BuildCensusFullLsb = 29;
+  localparam int BuildCensusFullBits = 1;
+
+  // BUILD_LINE_ROWS (ro): rows of the line buffer of rectify
+  localparam logic [7:0] RegBuildLineRows = 8'h04;
+
+  // BUILD_MESH_NODES (ro): nodes that one mesh may have
+  localparam logic [7:0] RegBuildMeshNodes = 8'h05;
+
+  // CONTROL (wo): commands
+  localparam logic [7:0] RegControl = 8'h08;
+  localparam logic [31:0] RegControlReset = 32'h00000000;
+  localparam int ControlApplyLsb = 0;
+  localparam int ControlApplyBits = 1;
+  localparam int ControlClearLsb = 1;
+  localparam int ControlClearBits = 1;
+
+  // STATUS (ro): now
+  localparam logic [7:0] RegStatus = 8'h09;
+  localparam logic [31:0] RegStatusReset = 32'h00000000;
+  localparam int StatusPendingLsb = 0;
+  localparam int StatusPendingBits = 1;
+  localparam int StatusBusyLsb = 1;
+  localparam int StatusBusyBits = 1;
+  localparam int StatusBankLsb = 2;
+  localparam int StatusBankBits = 1;
+
+  // ERRORS (w1c): what has gone wrong
+  localparam logic [7:0] RegErrors = 8'h0A;
+  localparam logic [31:0] RegErrorsReset = 32'h00000000;
+  localparam int ErrorsCutFrameLsb = 0;
+  localparam int ErrorsCutFrameBits = 1;
+  localparam int ErrorsLongFrameLsb = 1;
+  localparam int ErrorsLongFrameBits = 1;
+  localparam int ErrorsBufferLeftLsb = 2;
+  localparam int ErrorsBufferLeftBits = 1;
+  localparam int ErrorsBufferRightLsb = 3;
+  localparam int ErrorsBufferRightBits = 1;
+  localparam int ErrorsConfigLsb = 4;
+  localparam int ErrorsConfigBits = 1;
+  localparam int ErrorsLabelsLsb = 5;
+  localparam int ErrorsLabelsBits = 1;
+
+  // WIDTH (rw): of the image, GatewareMinWidth to BUILD.max_width
+  localparam logic [7:0] RegWidth = 8'h10;
+  localparam logic [31:0] RegWidthReset = 32'h00000280;
+  localparam int WidthPixelsLsb = 0;
+  localparam int WidthPixelsBits = 12;
+
+  // HEIGHT (rw): of the image, 1 to GatewareMaxHeight
+  localparam logic [7:0] RegHeight = 8'h11;
+  localparam logic [31:0] RegHeightReset = 32'h000001E0;
+  localparam int HeightRowsLsb = 0;
+  localparam int HeightRowsBits = 12;
+
+  // READ_START (rw): T_s of rectify = rows x WIDTH + pixels
+  localparam logic [7:0] RegReadStart = 8'h12;
+  localparam logic [31:0] RegReadStartReset = 32'h00010002;
+  localparam int ReadStartPixelsLsb = 0;
+  localparam int ReadStartPixelsBits = 12;
+  localparam int ReadStartRowsLsb = 16;
+  localparam int ReadStartRowsBits = 8;
+
+  // FLAGS (rw): switches
+  localparam logic [7:0] RegFlags = 8'h13;
+  localparam logic [31:0] RegFlagsReset = 32'h00000007;
+  localparam int FlagsLeftRightCheckLsb = 0;
+  localparam int FlagsLeftRightCheckBits = 1;
+  localparam int FlagsUniquenessCheckLsb = 1;
+  localparam int FlagsUniquenessCheckBits = 1;
+  localparam int FlagsSubpixelLsb = 2;
+  localparam int FlagsSubpixelBits = 1;
+
+  // DISP12_MAX_DIFF (rw): largest difference that the left-right check allows
+  localparam logic [7:0] RegDisp12MaxDiff = 8'h14;
+  localparam logic [31:0] RegDisp12MaxDiffReset = 32'h00000001;
+  localparam int Disp12MaxDiffPixelsLsb = 0;
+  localparam int Disp12MaxDiffPixelsBits = 8;
+
+  // UNIQUENESS (rw): N of the uniqueness check = 256 (1 + uniqueness_ratio / 100), rounded
+  localparam logic [7:0] RegUniqueness = 8'h15;
+  localparam logic [31:0] RegUniquenessReset = 32'h00000154;
+  localparam int UniquenessFactorLsb = 0;
+  localparam int UniquenessFactorBits = 10;
+
+  // SPECKLE_SIZE (rw): regions of fewer pixels are dropped; 0 switches spike off; up to SpeckleMax
+  localparam logic [7:0] RegSpeckleSize = 8'h16;
+  localparam logic [31:0] RegSpeckleSizeReset = 32'h00000190;
+  localparam int SpeckleSizePixelsLsb = 0;
+  localparam int SpeckleSizePixelsBits = 10;
+
+  // SPECKLE_RANGE (rw): largest step between neighbours of one region
+  localparam logic [7:0] RegSpeckleRange = 8'h17;
+  localparam logic [31:0] RegSpeckleRangeReset = 32'h00000020;
+  localparam int SpeckleRangeUnitsLsb = 0;
+  localparam int SpeckleRangeUnitsBits = 10;
+
+  // MESH_ADDRESS (rw): where the next MESH_DATA goes
+  localparam logic [7:0] RegMeshAddress = 8'h20;
+  localparam logic [31:0] RegMeshAddressReset = 32'h00000000;
+  localparam int MeshAddressNodeLsb = 0;
+  localparam int MeshAddressNodeBits = 16;
+  localparam int MeshAddressCameraLsb = 16;
+  localparam int MeshAddressCameraBits = 1;
+
+  // MESH_DATA (wo): one node: displacement, source minus destination, in 1/MeshScale px, signed
+  localparam logic [7:0] RegMeshData = 8'h21;
+  localparam logic [31:0] RegMeshDataReset = 32'h00000000;
+  localparam int MeshDataDxLsb = 0;
+  localparam int MeshDataDxBits = 16;
+  localparam int MeshDataDyLsb = 16;
+  localparam int MeshDataDyBits = 16;
+
+  // FRAMES_IN (ro): frames that have started at the input
+  localparam logic [7:0] RegFramesIn = 8'h30;
+  localparam logic [31:0] RegFramesInReset = 32'h00000000;
+
+  // FRAMES_OUT (ro): frames of which the last pixel has left spike
+  localparam logic [7:0] RegFramesOut = 8'h31;
+  localparam logic [31:0] RegFramesOutReset = 32'h00000000;
+
+  // CUT_FRAMES (ro): frames with ERRORS.cut_frame
+  localparam logic [7:0] RegCutFrames = 8'h32;
+  localparam logic [31:0] RegCutFramesReset = 32'h00000000;
+
+  // LONG_FRAMES (ro): frames with ERRORS.long_frame
+  localparam logic [7:0] RegLongFrames = 8'h33;
+  localparam logic [31:0] RegLongFramesReset = 32'h00000000;
+
+  // BUFFER_ERRORS (ro): frames with ERRORS.buffer_left or buffer_right
+  localparam logic [7:0] RegBufferErrors = 8'h34;
+  localparam logic [31:0] RegBufferErrorsReset = 32'h00000000;
+
+  // LABEL_EXHAUSTION (ro): frames with ERRORS.labels; always 0 in this design
+  localparam logic [7:0] RegLabelExhaustion = 8'h35;
+  localparam logic [31:0] RegLabelExhaustionReset = 32'h00000000;
+
+  // MESH_SWAPS (ro): swaps of the bank of meshes in use
+  localparam logic [7:0] RegMeshSwaps = 8'h36;
+  localparam logic [31:0] RegMeshSwapsReset = 32'h00000000;
+
+  // SIGNATURE_RECTIFY (ro): left << 8 ^ right
+  localparam logic [7:0] RegSignatureRectify = 8'h40;
+  localparam logic [31:0] RegSignatureRectifyReset = 32'h00000000;
+
+  // SIGNATURE_CENSUS (ro): fold(left bits) ^ rol(fold(right bits), 16)
+  localparam logic [7:0] RegSignatureCensus = 8'h41;
+  localparam logic [31:0] RegSignatureCensusReset = 32'h00000000;
+
+  // SIGNATURE_MATCH (ro): XOR over d of rol(S(x, y, d), d mod 32)
+  localparam logic [7:0] RegSignatureMatch = 8'h42;
+  localparam logic [31:0] RegSignatureMatchReset = 32'h00000000;
+
+  // SIGNATURE_SELECT (ro): dL ^ dR << 8 ^ v1 << 16 ^ rol(v2, 8) ^ XOR over k = 0..4 of rol(C(k -
+  // 2), 5 k)
+  localparam logic [7:0] RegSignatureSelect = 8'h43;
+  localparam logic [31:0] RegSignatureSelectReset = 32'h00000000;
+
+  // SIGNATURE_CHECK (ro): 1 kept, 0 not
+  localparam logic [7:0] RegSignatureCheck = 8'h44;
+  localparam logic [31:0] RegSignatureCheckReset = 32'h00000000;
+
+  // SIGNATURE_SUBPIXEL (ro): the disparity
+  localparam logic [7:0] RegSignatureSubpixel = 8'h45;
+  localparam logic [31:0] RegSignatureSubpixelReset = 32'h00000000;
+
+  // SIGNATURE_SPIKE (ro): the disparity
+  localparam logic [7:0] RegSignatureSpike = 8'h46;
+  localparam logic [31:0] RegSignatureSpikeReset = 32'h00000000;
+endpackage
+/* verilator lint_on UNUSEDPARAM */

@@ -1,0 +1,221 @@
+// Generated from fpga_fw/spec/spec.yaml by fpga_fw/tools/generate_spec: do not edit.
+//
+// The numbers that software and gateware share. RTL twin: fpga_fw/rtl/fs_pkg.sv; for people:
+// fpga_fw/spec/registers.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace fpga_stereo {
+
+/// In data order.
+enum class Stage {
+  kRectify,   // both images onto common rows
+  kCensus,    // a bit per neighbour: darker or not
+  kMatch,     // window sums of Hamming distances
+  kSelect,    // the smallest sum, left and right
+  kCheck,     // left-right and uniqueness
+  kSubpixel,  // parabola through five sums
+  kSpike,     // small regions are dropped
+};
+constexpr int kNumStages = 7;
+// clang-format off
+constexpr std::array<const char*, kNumStages> kStageNames{
+    "rectify", "census", "match", "select", "check", "subpixel", "spike"};
+// clang-format on
+
+constexpr int kDisparityScale = 32;                         // units of a disparity per px
+constexpr int kDisparityBits = 16;                          // of a disparity, unsigned
+constexpr std::uint16_t kNoDisparity = 0xFFFF;              // in a disparity image: none
+constexpr int kSpikeLookAhead = 24;                         // rows below that a region may use
+constexpr int kMeshPitch = 8;                               // px between nodes
+constexpr int kMeshScale = 128;                             // units of a displacement per px
+constexpr int kMeshBits = 16;                               // of a displacement, signed
+constexpr int kSourceScale = 32;                            // units of a source position per px
+constexpr int kMaxWidth = 1920;                             // px, software
+constexpr int kMaxHeight = 1200;                            // px, software
+constexpr int kGatewareMinWidth = 16;                       // px
+constexpr int kGatewareMaxWidth = 1280;                     // px; a build may have less
+constexpr int kGatewareMaxHeight = 1200;                    // px
+constexpr int kPixelBits = 8;                               // of a grey value
+constexpr int kUniquenessScale = 256;                       // uniqueness factor units per 1
+constexpr int kSpeckleMax = 1000;                           // px, largest speckle_size
+constexpr int kSubpixelNumerator = 7;                       // offset = 7 num / (10 den)
+constexpr int kSubpixelDenominator = 10;                    // offset = 7 num / (10 den)
+constexpr std::uint32_t kSignaturePolynomial = 0x1EDC6F41;  // CRC-32C, without x^32
+constexpr std::uint32_t kSignatureStart = 0xFFFFFFFF;       // before the first pixel
+constexpr int kRegisterBits = 32;                           // of a register
+constexpr int kRegisterAddressBits = 8;                     // of a word address
+
+/// The specification hash: software and gateware of different ones do not work together.
+constexpr std::uint32_t kSpecHash = 0xB018FDF5;
+
+/// The register map of the gateware.
+namespace spec {
+
+/// Some bits of a register.
+struct Field {
+  int lsb, bits;
+
+  constexpr std::uint32_t mask() const { return (0xFFFFFFFFU >> (32 - bits)) << lsb; }
+  constexpr std::uint32_t get(std::uint32_t word) const { return (word & mask()) >> lsb; }
+  constexpr std::uint32_t put(std::uint32_t value) const { return (value << lsb) & mask(); }
+};
+
+struct FieldInfo {
+  const char* name;
+  Field field;
+  const char* parameter;  // of the pipeline, that it sets or shows; "" = none
+  const char* about;
+};
+
+enum class Access { kReadOnly, kReadWrite, kWriteOnly, kWriteOneToClear };
+
+struct Register {
+  const char* name;
+  std::uint32_t address;  // of the word; byte address = 4 x this
+  Access access;
+  std::optional<std::uint32_t> reset;  // none: from the build parameters of the gateware
+  const char* about;
+  std::vector<FieldInfo> fields;  // empty: one number
+};
+
+/// Every register, by address.
+const std::vector<Register>& register_table();
+
+// Word addresses, reset values, fields.
+
+constexpr std::uint32_t kRegIdentity = 0x00;
+constexpr std::uint32_t kRegIdentityReset = 0x46535431;
+
+constexpr std::uint32_t kRegSpecHash = 0x01;
+constexpr std::uint32_t kRegSpecHashReset = 0xB018FDF5;
+
+constexpr std::uint32_t kRegVersion = 0x02;
+constexpr std::uint32_t kRegVersionReset = 0x00000001;
+constexpr Field kVersionMajor{16, 16};
+constexpr Field kVersionMinor{0, 16};
+
+constexpr std::uint32_t kRegBuild = 0x03;
+constexpr Field kBuildMaxWidth{0, 12};
+constexpr Field kBuildDisparities{12, 8};
+constexpr Field kBuildCensusWindow{20, 4};
+constexpr Field kBuildCorrelationWindow{24, 5};
+constexpr Field kBuildCensusFull{29, 1};
+
+constexpr std::uint32_t kRegBuildLineRows = 0x04;
+
+constexpr std::uint32_t kRegBuildMeshNodes = 0x05;
+
+constexpr std::uint32_t kRegControl = 0x08;
+constexpr std::uint32_t kRegControlReset = 0x00000000;
+constexpr Field kControlApply{0, 1};
+constexpr Field kControlClear{1, 1};
+
+constexpr std::uint32_t kRegStatus = 0x09;
+constexpr std::uint32_t kRegStatusReset = 0x00000000;
+constexpr Field kStatusPending{0, 1};
+constexpr Field kStatusBusy{1, 1};
+constexpr Field kStatusBank{2, 1};
+
+constexpr std::uint32_t kRegErrors = 0x0A;
+constexpr std::uint32_t kRegErrorsReset = 0x00000000;
+constexpr Field kErrorsCutFrame{0, 1};
+constexpr Field kErrorsLongFrame{1, 1};
+constexpr Field kErrorsBufferLeft{2, 1};
+constexpr Field kErrorsBufferRight{3, 1};
+constexpr Field kErrorsConfig{4, 1};
+constexpr Field kErrorsLabels{5, 1};
+
+constexpr std::uint32_t kRegWidth = 0x10;
+constexpr std::uint32_t kRegWidthReset = 0x00000280;
+constexpr Field kWidthPixels{0, 12};
+
+constexpr std::uint32_t kRegHeight = 0x11;
+constexpr std::uint32_t kRegHeightReset = 0x000001E0;
+constexpr Field kHeightRows{0, 12};
+
+constexpr std::uint32_t kRegReadStart = 0x12;
+constexpr std::uint32_t kRegReadStartReset = 0x00010002;
+constexpr Field kReadStartPixels{0, 12};
+constexpr Field kReadStartRows{16, 8};
+
+constexpr std::uint32_t kRegFlags = 0x13;
+constexpr std::uint32_t kRegFlagsReset = 0x00000007;
+constexpr Field kFlagsLeftRightCheck{0, 1};
+constexpr Field kFlagsUniquenessCheck{1, 1};
+constexpr Field kFlagsSubpixel{2, 1};
+
+constexpr std::uint32_t kRegDisp12MaxDiff = 0x14;
+constexpr std::uint32_t kRegDisp12MaxDiffReset = 0x00000001;
+constexpr Field kDisp12MaxDiffPixels{0, 8};
+
+constexpr std::uint32_t kRegUniqueness = 0x15;
+constexpr std::uint32_t kRegUniquenessReset = 0x00000154;
+constexpr Field kUniquenessFactor{0, 10};
+
+constexpr std::uint32_t kRegSpeckleSize = 0x16;
+constexpr std::uint32_t kRegSpeckleSizeReset = 0x00000190;
+constexpr Field kSpeckleSizePixels{0, 10};
+
+constexpr std::uint32_t kRegSpeckleRange = 0x17;
+constexpr std::uint32_t kRegSpeckleRangeReset = 0x00000020;
+constexpr Field kSpeckleRangeUnits{0, 10};
+
+constexpr std::uint32_t kRegMeshAddress = 0x20;
+constexpr std::uint32_t kRegMeshAddressReset = 0x00000000;
+constexpr Field kMeshAddressNode{0, 16};
+constexpr Field kMeshAddressCamera{16, 1};
+
+constexpr std::uint32_t kRegMeshData = 0x21;
+constexpr std::uint32_t kRegMeshDataReset = 0x00000000;
+constexpr Field kMeshDataDx{0, 16};
+constexpr Field kMeshDataDy{16, 16};
+
+constexpr std::uint32_t kRegFramesIn = 0x30;
+constexpr std::uint32_t kRegFramesInReset = 0x00000000;
+
+constexpr std::uint32_t kRegFramesOut = 0x31;
+constexpr std::uint32_t kRegFramesOutReset = 0x00000000;
+
+constexpr std::uint32_t kRegCutFrames = 0x32;
+constexpr std::uint32_t kRegCutFramesReset = 0x00000000;
+
+constexpr std::uint32_t kRegLongFrames = 0x33;
+constexpr std::uint32_t kRegLongFramesReset = 0x00000000;
+
+constexpr std::uint32_t kRegBufferErrors = 0x34;
+constexpr std::uint32_t kRegBufferErrorsReset = 0x00000000;
+
+constexpr std::uint32_t kRegLabelExhaustion = 0x35;
+constexpr std::uint32_t kRegLabelExhaustionReset = 0x00000000;
+
+constexpr std::uint32_t kRegMeshSwaps = 0x36;
+constexpr std::uint32_t kRegMeshSwapsReset = 0x00000000;
+
+constexpr std::uint32_t kRegSignatureRectify = 0x40;
+constexpr std::uint32_t kRegSignatureRectifyReset = 0x00000000;
+
+constexpr std::uint32_t kRegSignatureCensus = 0x41;
+constexpr std::uint32_t kRegSignatureCensusReset = 0x00000000;
+
+constexpr std::uint32_t kRegSignatureMatch = 0x42;
+constexpr std::uint32_t kRegSignatureMatchReset = 0x00000000;
+
+constexpr std::uint32_t kRegSignatureSelect = 0x43;
+constexpr std::uint32_t kRegSignatureSelectReset = 0x00000000;
+
+constexpr std::uint32_t kRegSignatureCheck = 0x44;
+constexpr std::uint32_t kRegSignatureCheckReset = 0x00000000;
+
+constexpr std::uint32_t kRegSignatureSubpixel = 0x45;
+constexpr std::uint32_t kRegSignatureSubpixelReset = 0x00000000;
+
+constexpr std::uint32_t kRegSignatureSpike = 0x46;
+constexpr std::uint32_t kRegSignatureSpikeReset = 0x00000000;
+
+}  // namespace spec
+}  // namespace fpga_stereo

@@ -1,0 +1,146 @@
+// Generated from fpga_fw/spec/spec.yaml by fpga_fw/tools/generate_spec: do not edit.
+#include "fpga_stereo/core/spec.hpp"
+
+namespace fpga_stereo::spec {
+
+const std::vector<Register>& register_table() {
+  // clang-format off
+  static const std::vector<Register> table{
+      {"IDENTITY", kRegIdentity, Access::kReadOnly, kRegIdentityReset,
+       "\"FST1\", F in the top byte", {
+       }},
+      {"SPEC_HASH", kRegSpecHash, Access::kReadOnly, kRegSpecHashReset,
+       "of the specification that the gateware was made from", {
+       }},
+      {"VERSION", kRegVersion, Access::kReadOnly, kRegVersionReset,
+       "of protocol and gateware", {
+           {"major", kVersionMajor, "", "counts changes that break"},
+           {"minor", kVersionMinor, "", "counts the others"},
+       }},
+      {"BUILD", kRegBuild, Access::kReadOnly, {},
+       "build parameters", {
+           {"max_width", kBuildMaxWidth, "", "px, largest WIDTH"},
+           {"disparities", kBuildDisparities, "disparity_range", "0 means 256"},
+           {"census_window", kBuildCensusWindow, "census_window_size", "px"},
+           {"correlation_window", kBuildCorrelationWindow, "correlation_window_size", "px"},
+           {"census_full", kBuildCensusFull, "census_pattern", "1 full, 0 sparse"},
+       }},
+      {"BUILD_LINE_ROWS", kRegBuildLineRows, Access::kReadOnly, {},
+       "rows of the line buffer of rectify", {
+       }},
+      {"BUILD_MESH_NODES", kRegBuildMeshNodes, Access::kReadOnly, {},
+       "nodes that one mesh may have", {
+       }},
+      {"CONTROL", kRegControl, Access::kWriteOnly, kRegControlReset,
+       "commands", {
+           {"apply", kControlApply, "", "1: the shadow takes effect at the next frame"},
+           {"clear", kControlClear, "", "1: counters and errors become 0"},
+       }},
+      {"STATUS", kRegStatus, Access::kReadOnly, kRegStatusReset,
+       "now", {
+           {"pending", kStatusPending, "", "an apply waits for a frame to start"},
+           {"busy", kStatusBusy, "", "a frame is under way"},
+           {"bank", kStatusBank, "", "bank of meshes in use; the other is the shadow"},
+       }},
+      {"ERRORS", kRegErrors, Access::kWriteOneToClear, kRegErrorsReset,
+       "what has gone wrong", {
+           {"cut_frame", kErrorsCutFrame, "", "a frame started before another had all its pixels"},
+           {"long_frame", kErrorsLongFrame, "", "pixels came after the last one of a frame"},
+           {"buffer_left", kErrorsBufferLeft, "", "rectify read what is not in the left buffer"},
+           {"buffer_right", kErrorsBufferRight, "", "rectify read what is not in the right buffer"},
+           {"config", kErrorsConfig, "", "apply refused: WIDTH or HEIGHT out of range"},
+           {"labels", kErrorsLabels, "", "spike ran out of labels; always 0 in this design"},
+       }},
+      {"WIDTH", kRegWidth, Access::kReadWrite, kRegWidthReset,
+       "of the image, GatewareMinWidth to BUILD.max_width", {
+           {"pixels", kWidthPixels, "", "px"},
+       }},
+      {"HEIGHT", kRegHeight, Access::kReadWrite, kRegHeightReset,
+       "of the image, 1 to GatewareMaxHeight", {
+           {"rows", kHeightRows, "", "px"},
+       }},
+      {"READ_START", kRegReadStart, Access::kReadWrite, kRegReadStartReset,
+       "T_s of rectify = rows x WIDTH + pixels", {
+           {"pixels", kReadStartPixels, "", "fewer than WIDTH"},
+           {"rows", kReadStartRows, "", "whole rows"},
+       }},
+      {"FLAGS", kRegFlags, Access::kReadWrite, kRegFlagsReset,
+       "switches", {
+           {"left_right_check", kFlagsLeftRightCheck, "left_right_check", "of check"},
+           {"uniqueness_check", kFlagsUniquenessCheck, "uniqueness_check", "of check"},
+           {"subpixel", kFlagsSubpixel, "subpixel", "refine"},
+       }},
+      {"DISP12_MAX_DIFF", kRegDisp12MaxDiff, Access::kReadWrite, kRegDisp12MaxDiffReset,
+       "largest difference that the left-right check allows", {
+           {"pixels", kDisp12MaxDiffPixels, "disp12MaxDiff", "px"},
+       }},
+      {"UNIQUENESS", kRegUniqueness, Access::kReadWrite, kRegUniquenessReset,
+       "N of the uniqueness check = 256 (1 + uniqueness_ratio / 100), rounded", {
+           {"factor", kUniquenessFactor, "uniqueness_ratio", "in 1/UniquenessScale"},
+       }},
+      {"SPECKLE_SIZE", kRegSpeckleSize, Access::kReadWrite, kRegSpeckleSizeReset,
+       "regions of fewer pixels are dropped; 0 switches spike off; up to SpeckleMax", {
+           {"pixels", kSpeckleSizePixels, "speckle_size", "px"},
+       }},
+      {"SPECKLE_RANGE", kRegSpeckleRange, Access::kReadWrite, kRegSpeckleRangeReset,
+       "largest step between neighbours of one region", {
+           {"units", kSpeckleRangeUnits, "speckle_range", "in 1/DisparityScale px"},
+       }},
+      {"MESH_ADDRESS", kRegMeshAddress, Access::kReadWrite, kRegMeshAddressReset,
+       "where the next MESH_DATA goes", {
+           {"node", kMeshAddressNode, "", "number; MESH_DATA increments it"},
+           {"camera", kMeshAddressCamera, "", "0 left, 1 right"},
+       }},
+      {"MESH_DATA", kRegMeshData, Access::kWriteOnly, kRegMeshDataReset,
+       "one node: displacement, source minus destination, in 1/MeshScale px, signed", {
+           {"dx", kMeshDataDx, "", "to the right"},
+           {"dy", kMeshDataDy, "", "down"},
+       }},
+      {"FRAMES_IN", kRegFramesIn, Access::kReadOnly, kRegFramesInReset,
+       "frames that have started at the input", {
+       }},
+      {"FRAMES_OUT", kRegFramesOut, Access::kReadOnly, kRegFramesOutReset,
+       "frames of which the last pixel has left spike", {
+       }},
+      {"CUT_FRAMES", kRegCutFrames, Access::kReadOnly, kRegCutFramesReset,
+       "frames with ERRORS.cut_frame", {
+       }},
+      {"LONG_FRAMES", kRegLongFrames, Access::kReadOnly, kRegLongFramesReset,
+       "frames with ERRORS.long_frame", {
+       }},
+      {"BUFFER_ERRORS", kRegBufferErrors, Access::kReadOnly, kRegBufferErrorsReset,
+       "frames with ERRORS.buffer_left or buffer_right", {
+       }},
+      {"LABEL_EXHAUSTION", kRegLabelExhaustion, Access::kReadOnly, kRegLabelExhaustionReset,
+       "frames with ERRORS.labels; always 0 in this design", {
+       }},
+      {"MESH_SWAPS", kRegMeshSwaps, Access::kReadOnly, kRegMeshSwapsReset,
+       "swaps of the bank of meshes in use", {
+       }},
+      {"SIGNATURE_RECTIFY", kRegSignatureRectify, Access::kReadOnly, kRegSignatureRectifyReset,
+       "left << 8 ^ right", {
+       }},
+      {"SIGNATURE_CENSUS", kRegSignatureCensus, Access::kReadOnly, kRegSignatureCensusReset,
+       "fold(left bits) ^ rol(fold(right bits), 16)", {
+       }},
+      {"SIGNATURE_MATCH", kRegSignatureMatch, Access::kReadOnly, kRegSignatureMatchReset,
+       "XOR over d of rol(S(x, y, d), d mod 32)", {
+       }},
+      {"SIGNATURE_SELECT", kRegSignatureSelect, Access::kReadOnly, kRegSignatureSelectReset,
+       "dL ^ dR << 8 ^ v1 << 16 ^ rol(v2, 8) ^ XOR over k = 0..4 of rol(C(k - 2), 5 k)", {
+       }},
+      {"SIGNATURE_CHECK", kRegSignatureCheck, Access::kReadOnly, kRegSignatureCheckReset,
+       "1 kept, 0 not", {
+       }},
+      {"SIGNATURE_SUBPIXEL", kRegSignatureSubpixel, Access::kReadOnly, kRegSignatureSubpixelReset,
+       "the disparity", {
+       }},
+      {"SIGNATURE_SPIKE", kRegSignatureSpike, Access::kReadOnly, kRegSignatureSpikeReset,
+       "the disparity", {
+       }},
+  };
+  // clang-format on
+  return table;
+}
+
+}  // namespace fpga_stereo::spec
