@@ -1,0 +1,147 @@
+// Census transform of both rectified images: of the row that enters the correlation window and of
+// the row that leaves it, so that match needs no memory of census bits.
+//
+// Formula   bit k = 1 iff I(neighbour k) < I(centre); neighbours in raster order, the centre left
+//           out; 0 for a neighbour outside the image. Full: every neighbour; else those whose row
+//           and column offsets are both even.
+// C++ twin  census() in src/core/census.cpp
+// Schedule  the paper's Fig. 4: scan-line buffers, then a window of registers. With Reach = the
+//           largest offset in the pattern, for the pixel (x, y) that comes in:
+//             tick 1            its column of taps enters the windows; entering centre
+//                               (x - Reach, y - Reach), leaving centre CorrelationWindow rows above
+//             tick 2            comparisons
+//           Lines: CorrelationWindow + 2 Reach, 8 + 8 bits wide.
+// Latency   LatencyRows, LatencyTicks for the entering bits; the leaving bits that come with the
+//           entering bits of raster row i are those of raster row i - CorrelationWindow.
+// Handshake the raster (fs_top).
+// Limits    width_i 16 .. MaxWidth.
+module fs_census #(
+  parameter int MaxWidth = 640,
+  parameter int CensusWindow = 11,
+  parameter int CorrelationWindow = 15,
+  parameter int Full = 0,
+  localparam int Radius = CensusWindow / 2,
+  localparam int Reach = Full != 0 ? Radius : Radius - Radius % 2,
+  localparam int Side = Full != 0 ? 2 * Reach + 1 : Reach + 1,  // places along an axis of the pattern
+  localparam int Bits = Side * Side - 1
+) (
+  input  logic            clk_i,
+  input  logic            rst_ni,
+  input  logic            en_i,
+  input  logic [11:0]     width_i,
+  input  logic [11:0]     height_i,
+  input  logic            valid_i,
+  input  logic            sof_i,
+  input  logic            sol_i,
+  input  logic [7:0]      left_i,
+  input  logic [7:0]      right_i,
+  output logic            valid_o,
+  output logic            sof_o,
+  output logic            sol_o,
+  output logic [Bits-1:0] enter_left_o,
+  output logic [Bits-1:0] enter_right_o,
+  output logic [Bits-1:0] leave_left_o,
+  output logic [Bits-1:0] leave_right_o
+);
+  localparam int LatencyRows = Reach;
+  localparam int LatencyTicks = Reach + 2;
+  localparam int Step = Full != 0 ? 1 : 2;
+  localparam int Lines = CorrelationWindow + 2 * Reach;
+
+  if (CensusWindow < 5 || CensusWindow > 11 || CensusWindow % 2 == 0)
+    initial $fatal(1, "fs_census: CensusWindow is %0d, allowed: 5, 7, 9, 11", CensusWindow);
+  if (CorrelationWindow < 5 || CorrelationWindow > 21 || CorrelationWindow % 2 == 0)
+    initial $fatal(1, "fs_census: CorrelationWindow is %0d, allowed: 5, 7, .. 21",
+                   CorrelationWindow);
+
+  // Scan-line buffers. Tap k is the pixel k rows above the one that comes in: {right, left}.
+  logic [16*(Lines+1)-1:0] taps;
+  assign taps[15:0] = {right_i, left_i};
+  fs_line_delay #(
+    .Bits(16 * Lines), .MaxLength(MaxWidth)
+  ) u_lines (
+    .clk_i, .rst_ni, .en_i,
+    .length_i($clog2(MaxWidth + 1)'(width_i)),
+    .data_i(taps[16*Lines-1:0]),
+    .data_o(taps[16*(Lines+1)-1:16])
+  );
+
+  // Where the entering and the leaving centre stand, one tick ahead of the windows.
+  logic enter_valid, enter_sof, sol, leave_valid, leave_sof, unused_sol;
+  fs_raster_delay #(.Rows(Reach), .Ticks(Reach)) u_enter (
+    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .valid_o(enter_valid), .sof_o(enter_sof), .sol_o(sol)
+  );
+  fs_raster_delay #(.Rows(Reach + CorrelationWindow), .Ticks(Reach)) u_leave (
+    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .valid_o(leave_valid), .sof_o(leave_sof), .sol_o(unused_sol)
+  );
+  logic [11:0] x, enter_y, leave_y;
+  fs_position u_enter_position (
+    .clk_i, .rst_ni, .en_i, .valid_i(enter_valid), .sof_i(enter_sof), .sol_i(sol),
+    .x_o(x), .y_o(enter_y)
+  );
+  logic [11:0] unused_x;
+  fs_position u_leave_position (
+    .clk_i, .rst_ni, .en_i, .valid_i(leave_valid), .sof_i(leave_sof), .sol_i(sol),
+    .x_o(unused_x), .y_o(leave_y)
+  );
+
+  // Which columns and rows of the windows lie in the image; place i is offset Step i - Reach.
+  logic [Side-1:0] columns_q, enter_rows_q, leave_rows_q;
+  for (genvar i = 0; i < Side; i++) begin : g_inside
+    localparam int Offset = Step * i - Reach;
+    logic column, enter_row, leave_row;
+    if (Offset < 0) begin : g_before
+      assign column = x >= 12'(-Offset);
+      assign enter_row = enter_y >= 12'(-Offset);
+      assign leave_row = leave_y >= 12'(-Offset);
+    end else begin : g_behind
+      assign column = x + 12'(Offset) < width_i;
+      assign enter_row = enter_y + 12'(Offset) < height_i;
+      assign leave_row = leave_y + 12'(Offset) < height_i;
+    end
+    always_ff @(posedge clk_i) begin
+      if (en_i) begin
+        columns_q[i] <= column;
+        enter_rows_q[i] <= enter_row;
+        leave_rows_q[i] <= leave_row;
+      end
+    end
+  end
+
+  // The columns of taps that the windows take: place j, from above, is offset Step j - Reach.
+  logic [8*Side-1:0] enter_left, enter_right, leave_left, leave_right;
+  for (genvar j = 0; j < Side; j++) begin : g_taps
+    localparam int Enter = 2 * Reach - Step * j;
+    localparam int Leave = Enter + CorrelationWindow;
+    assign enter_left[8*j+:8] = taps[16*Enter+:8];
+    assign enter_right[8*j+:8] = taps[16*Enter+8+:8];
+    assign leave_left[8*j+:8] = taps[16*Leave+:8];
+    assign leave_right[8*j+:8] = taps[16*Leave+8+:8];
+  end
+  // The lines between the two windows only delay.
+  logic unused_taps;
+  assign unused_taps = ^{taps, unused_sol, unused_x};
+
+  fs_census_window #(.Side(Side), .Step(Step)) u_enter_left (
+    .clk_i, .en_i, .taps_i(enter_left), .columns_i(columns_q), .rows_i(enter_rows_q),
+    .bits_o(enter_left_o)
+  );
+  fs_census_window #(.Side(Side), .Step(Step)) u_enter_right (
+    .clk_i, .en_i, .taps_i(enter_right), .columns_i(columns_q), .rows_i(enter_rows_q),
+    .bits_o(enter_right_o)
+  );
+  fs_census_window #(.Side(Side), .Step(Step)) u_leave_left (
+    .clk_i, .en_i, .taps_i(leave_left), .columns_i(columns_q), .rows_i(leave_rows_q),
+    .bits_o(leave_left_o)
+  );
+  fs_census_window #(.Side(Side), .Step(Step)) u_leave_right (
+    .clk_i, .en_i, .taps_i(leave_right), .columns_i(columns_q), .rows_i(leave_rows_q),
+    .bits_o(leave_right_o)
+  );
+
+  fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
+    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
+  );
+endmodule

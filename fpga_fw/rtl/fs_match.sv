@@ -1,0 +1,154 @@
+// Matching costs: Hamming distances summed over the correlation window, all disparities at once.
+//
+// Formula   h(x, y, d) = popcount(CL(x, y) ^ CR(x - d, y)), half of the bits where x - d < 0
+//           S(x, y, d) = sum of h over CorrelationWindow squared, outside the image 0
+// C++ twin  Match in src/core/match.cpp
+// Schedule  per disparity a lane (fs_match_lane) that never recomputes a window: of each column the
+//           running sum over its rows gains the row that enters and loses the row that leaves;
+//           a running sum along the row gives the window. Column sums wait a row in block RAM.
+//           Tick 1 sets the left bits and the right bits of d pixels earlier side by side, then
+//           the lane's ticks follow.
+//           Frames without a gap: while the last rows of a frame still leave the sums, the first
+//           rows of the next enter a second sum of their own, and are taken over from it when the
+//           window's centre has come to row 0.
+// Latency   LatencyRows, LatencyTicks.
+// Handshake the raster (fs_top).
+// Limits    width_i >= max(16, CorrelationWindow + 1); frames start at least
+//           CorrelationWindow / 2 + 1 rows apart.
+module fs_match #(
+  parameter int MaxWidth = 640,
+  parameter int Disparities = 64,
+  parameter int CensusBits = 24,
+  parameter int CorrelationWindow = 15,
+  localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1)
+) (
+  input  logic                           clk_i,
+  input  logic                           rst_ni,
+  input  logic                           en_i,
+  input  logic [11:0]                    width_i,
+  input  logic [11:0]                    height_i,
+  input  logic                           valid_i,
+  input  logic                           sof_i,
+  input  logic                           sol_i,
+  input  logic [CensusBits-1:0]          enter_left_i,
+  input  logic [CensusBits-1:0]          enter_right_i,
+  input  logic [CensusBits-1:0]          leave_left_i,
+  input  logic [CensusBits-1:0]          leave_right_i,
+  output logic                           valid_o,
+  output logic                           sof_o,
+  output logic                           sol_o,
+  output logic [Disparities*SumBits-1:0] sums_o
+);
+  localparam int Radius = CorrelationWindow / 2;
+  localparam int LatencyRows = Radius;
+  localparam int LatencyTicks = Radius + 7;
+  localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1);
+  localparam int FreshBits = $clog2(Radius * CensusBits + 1);
+
+  if (Disparities < 16 || Disparities > 128 || Disparities % 4 != 0)
+    initial $fatal(1, "fs_match: Disparities is %0d, allowed: 16, 20, .. 128", Disparities);
+
+  // Tick 1: lane d sees the left pixel x and the right pixel x - d.
+  logic [CensusBits-1:0] enter_left_q, leave_left_q;
+  logic [CensusBits*Disparities-1:0] enter_right_q, leave_right_q;
+  logic [Disparities-1:0] seen_q;  // x - d >= 0
+  always_ff @(posedge clk_i) begin
+    if (en_i) begin
+      enter_left_q <= enter_left_i;
+      leave_left_q <= leave_left_i;
+      enter_right_q <= (CensusBits * Disparities)'({enter_right_q, enter_right_i});
+      leave_right_q <= (CensusBits * Disparities)'({leave_right_q, leave_right_i});
+      seen_q <= sol_i ? Disparities'(1) : Disparities'({seen_q, 1'b1});
+    end
+  end
+
+  // What the row that enters is to its frame, and where the window's centre stands, at tick 3.
+  logic enter_valid, enter_sof, sol, centre_valid, centre_sof, unused_sol;
+  fs_raster_delay #(.Rows(0), .Ticks(2)) u_enter (
+    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .valid_o(enter_valid), .sof_o(enter_sof), .sol_o(sol)
+  );
+  fs_raster_delay #(.Rows(Radius), .Ticks(2)) u_centre (
+    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .valid_o(centre_valid), .sof_o(centre_sof), .sol_o(unused_sol)
+  );
+  logic [11:0] x, unused_x, unused_y, centre_y;
+  fs_position u_enter_position (
+    .clk_i, .rst_ni, .en_i, .valid_i(enter_valid), .sof_i(enter_sof), .sol_i(sol),
+    .x_o(x), .y_o(unused_y)
+  );
+  fs_position u_centre_position (
+    .clk_i, .rst_ni, .en_i, .valid_i(centre_valid), .sof_i(centre_sof), .sol_i(sol),
+    .x_o(unused_x), .y_o(centre_y)
+  );
+  logic unused;
+  assign unused = ^{unused_sol, unused_x, unused_y};
+
+  // Row flags, constant over a row: tick 3.
+  logic fresh_q;        // a row of a frame enters
+  logic fresh_row0_q;   // row 0 of a frame does
+  logic enters_q;       // the entering row is of the centre's frame
+  logic leaves_q;       // so is the leaving row
+  logic centre_row0_q;  // the centre is in row 0
+  logic enter_row0_q;
+  always_ff @(posedge clk_i) begin
+    if (en_i) begin
+      fresh_q <= enter_valid;
+      if (sol) enter_row0_q <= enter_sof;
+      fresh_row0_q <= sol ? enter_sof : enter_row0_q;
+      enters_q <= centre_y + 12'(Radius) < height_i;
+      leaves_q <= centre_y > 12'(Radius);
+      centre_row0_q <= centre_y == '0;
+    end
+  end
+
+  // Column flags of the running sum along the row, for tick 6: x is the column that enters it.
+  logic [11:0] x3_q, x4_q, x5_q;
+  logic row_end_q, first_q, last_q;
+  always_ff @(posedge clk_i) begin
+    if (en_i) begin
+      x3_q <= x;
+      x4_q <= x3_q;
+      x5_q <= x4_q;
+      row_end_q <= x5_q == width_i - 12'd1;
+      // The centre x - Radius: the window sticks out on the left, or on the right (next row's x).
+      first_q <= x5_q >= 12'(Radius) && x5_q <= 12'(2 * Radius);
+      last_q <= x5_q < 12'(Radius);
+    end
+  end
+
+  logic [Disparities*ColumnBits-1:0] column_new, column_old;
+  logic [Disparities*FreshBits-1:0] fresh_new, fresh_old;
+  for (genvar d = 0; d < Disparities; d++) begin : g_lane
+    fs_match_lane #(
+      .CensusBits(CensusBits), .CorrelationWindow(CorrelationWindow)
+    ) u_lane (
+      .clk_i, .en_i,
+      .enter_left_i(enter_left_q), .enter_right_i(enter_right_q[CensusBits*d+:CensusBits]),
+      .leave_left_i(leave_left_q), .leave_right_i(leave_right_q[CensusBits*d+:CensusBits]),
+      .seen_i(seen_q[d]),
+      .fresh_i(fresh_q), .fresh_row0_i(fresh_row0_q), .enters_i(enters_q),
+      .leaves_i(leaves_q), .centre_row0_i(centre_row0_q),
+      .column_old_i(column_old[ColumnBits*d+:ColumnBits]),
+      .column_new_o(column_new[ColumnBits*d+:ColumnBits]),
+      .fresh_old_i(fresh_old[FreshBits*d+:FreshBits]),
+      .fresh_new_o(fresh_new[FreshBits*d+:FreshBits]),
+      .row_end_i(row_end_q), .first_i(first_q), .last_i(last_q),
+      .sum_o(sums_o[SumBits*d+:SumBits])
+    );
+  end
+
+  // A row of sums, less the two ticks from a sum's read to its write.
+  fs_line_delay #(
+    .Bits(Disparities * (ColumnBits + FreshBits)), .MaxLength(MaxWidth)
+  ) u_columns (
+    .clk_i, .rst_ni, .en_i,
+    .length_i($clog2(MaxWidth + 1)'(width_i - 12'd2)),
+    .data_i({fresh_new, column_new}),
+    .data_o({fresh_old, column_old})
+  );
+
+  fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
+    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
+  );
+endmodule

@@ -1,0 +1,217 @@
+// fs_match against Match.
+#include <gtest/gtest.h>
+
+#include "MatchFull.h"
+#include "MatchLarge.h"
+#include "MatchSparse.h"
+#include "fpga_stereo/core/census_window.hpp"
+#include "fpga_stereo/core/stages.hpp"
+#include "ports.hpp"
+#include "raster.hpp"
+#include "support/compare.hpp"
+#include "support/images.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+template <class Model>
+Parameters built();
+template <>
+Parameters built<MatchSparse>() {
+  Parameters p;
+  p.disparity_range = 16;
+  return p;
+}
+template <>
+Parameters built<MatchFull>() {
+  Parameters p;
+  p.disparity_range = 20;
+  p.census_pattern = CensusPattern::kFull;
+  return p;
+}
+template <>
+Parameters built<MatchLarge>() {
+  Parameters p;
+  p.disparity_range = 16;
+  p.census_window_size = 7;
+  p.correlation_window_size = 21;
+  return p;
+}
+
+/// The model with its census bits of rows that leave: those that entered some rows before.
+template <class Model>
+class Fed : public Model {
+ public:
+  explicit Fed(std::size_t ticks) : delay_(ticks) {}
+
+  void eval() {
+    const bool rising = this->clk_i && !last_clock_;
+    last_clock_ = this->clk_i;
+    if (!this->clk_i && history_.size() >= delay_) {
+      const auto& [left, right] = history_[history_.size() - delay_];
+      this->leave_left_i = left;
+      this->leave_right_i = right;
+    }
+    if (rising && this->en_i && this->rst_ni) {
+      history_.emplace_back(this->enter_left_i, this->enter_right_i);
+    }
+    Model::eval();
+  }
+
+ private:
+  using Port = std::remove_reference_t<decltype(Model::enter_left_i)>;
+  std::size_t delay_;
+  bool last_clock_ = false;
+  std::vector<std::pair<Port, Port>> history_;
+};
+
+int sum_bits(const Parameters& p) {
+  const int window = p.correlation_window_size;
+  const auto most = static_cast<unsigned>(window * window * census_neighbours(p).size());
+  int bits = 0;
+  while (most >> bits != 0) ++bits;
+  return bits;
+}
+
+/// Runs pairs of census images through the model, each a frame, and compares every sum.
+template <class Model>
+RasterResult compare(const std::vector<std::pair<cv::Mat, cv::Mat>>& pairs, Raster raster) {
+  const Parameters p = built<Model>();
+  const int bits = static_cast<int>(census_neighbours(p).size());
+  const int range = p.disparity_range;
+  raster.width = pairs[0].first.cols;
+  raster.height = pairs[0].first.rows;
+  const cv::Size size(raster.width * range, raster.height);  // all d of a pixel side by side
+
+  std::vector<cv::Mat1w> expected, actual;
+  for (const auto& [left, right] : pairs) {
+    Match match;
+    match.start(left, right, p, 0);
+    expected.emplace_back(size);
+    actual.emplace_back(size, 0);
+    for (int y = 0; y < raster.height; ++y) {
+      const cv::Mat1w& sums = match.next();
+      for (int x = 0; x < raster.width; ++x) {
+        for (int d = 0; d < range; ++d) expected.back()(y, x * range + d) = sums(d, x);
+      }
+    }
+  }
+  Fed<Model> model(static_cast<std::size_t>(p.correlation_window_size) * raster.width);
+  model.width_i = raster.width;
+  model.height_i = raster.height;
+  const int words = (bits + 31) / 32;
+  const auto write = [&](auto& port, const cv::Mat& image, int x, int y) {
+    for (int word = 0; word < words; ++word) {
+      set_bits(port, 32 * word, std::min(32, bits - 32 * word),
+               image.ptr<std::uint32_t>(y, x)[word]);
+    }
+  };
+  const int width = sum_bits(p);
+  const RasterResult result = run_raster(
+      model, raster, static_cast<int>(pairs.size()),
+      [&](int frame, int x, int y) {
+        write(model.enter_left_i, pairs[frame].first, x, y);
+        write(model.enter_right_i, pairs[frame].second, x, y);
+      },
+      [&](std::mt19937& random) {
+        set_random(model.enter_left_i, bits, random);
+        set_random(model.enter_right_i, bits, random);
+      },
+      [&](int frame, int x, int y) {
+        for (int d = 0; d < range; ++d) {
+          actual[frame](y, x * range + d) =
+              static_cast<std::uint16_t>(get_bits(model.sums_o, d * width, width));
+        }
+      });
+  for (std::size_t frame = 0; frame < pairs.size(); ++frame) {
+    EXPECT_TRUE(same("match (x * D + d)", expected[frame], actual[frame],
+                     {p, raster.seed, "frame " + std::to_string(frame)}));
+  }
+  return result;
+}
+
+/// Census images with every bit random, or all alike (fill 0 or 1: no or every bit set).
+template <class Model>
+std::vector<std::pair<cv::Mat, cv::Mat>> pairs(cv::Size size, int frames, unsigned seed,
+                                               int fill_left = -1, int fill_right = -1) {
+  const auto bits = static_cast<int>(census_neighbours(built<Model>()).size());
+  std::mt19937 random(seed);
+  const auto image = [&](int fill) {
+    cv::Mat out(size, CV_32SC((bits + 31) / 32));
+    for (int y = 0; y < size.height; ++y) {
+      for (int i = 0; i < size.width * out.channels(); ++i) {
+        const int left = bits - 32 * (i % out.channels());
+        const std::uint32_t mask = left >= 32 ? ~0U : (1U << left) - 1;
+        const std::uint32_t value = fill < 0 ? random() : fill == 0 ? 0 : ~0U;
+        out.ptr<std::uint32_t>(y)[i] = value & mask;
+      }
+    }
+    return out;
+  };
+  std::vector<std::pair<cv::Mat, cv::Mat>> out;
+  for (int i = 0; i < frames; ++i) out.emplace_back(image(fill_left), image(fill_right));
+  return out;
+}
+
+template <class Model>
+class RtlMatch : public ::testing::Test {
+ protected:
+  int smallest_width() const { return std::max(16, built<Model>().correlation_window_size + 1); }
+  int radius() const { return built<Model>().correlation_window_size / 2; }
+};
+using Models = ::testing::Types<MatchSparse, MatchFull, MatchLarge>;
+TYPED_TEST_SUITE(RtlMatch, Models);
+
+TYPED_TEST(RtlMatch, RandomBitsOfManySizesBackToBack) {
+  const int width = this->smallest_width();
+  const int height = this->radius() + 1;  // the least that may follow each other at once
+  for (const cv::Size size :
+       {cv::Size(width, height), cv::Size(width + 1, height + 1), cv::Size(width + 7, 2 * height),
+        cv::Size(width + 20, 2 * height + 5), cv::Size(64, 3 * height)}) {
+    SCOPED_TRACE(::testing::Message() << size);
+    Raster raster;
+    raster.seed = size.width;
+    compare<TypeParam>(pairs<TypeParam>(size, 3, 7 * size.height), raster);
+  }
+}
+
+TYPED_TEST(RtlMatch, HeightsBelowTheWindow) {
+  for (int height = 1; height <= this->radius(); ++height) {
+    SCOPED_TRACE(height);
+    Raster raster;
+    const int gap = this->radius() + 1 - height;
+    raster.bubble_rows = {1, gap, gap, gap + 1};
+    compare<TypeParam>(pairs<TypeParam>({this->smallest_width(), height}, 5, height), raster);
+  }
+}
+
+TYPED_TEST(RtlMatch, StallsAndBubbleRows) {
+  Raster raster;
+  raster.bubble_rows = {2, 1, 0, 3, 30, 12};
+  raster.stalled = 0.4;
+  compare<TypeParam>(pairs<TypeParam>({25, 17}, 7, 3), raster);
+}
+
+TYPED_TEST(RtlMatch, LargestAndSmallestSums) {
+  for (const int left : {0, 1}) {
+    for (const int right : {0, 1}) {
+      compare<TypeParam>(pairs<TypeParam>({40, 30}, 2, 1, left, right), {});
+    }
+  }
+}
+
+TYPED_TEST(RtlMatch, ResetInTheMiddleOfAFrame) {
+  Raster raster;
+  raster.reset_after_ticks = 30 * 26 + 30 * 11 + 13;
+  compare<TypeParam>(pairs<TypeParam>({30, 26}, 2, 11), raster);
+}
+
+TYPED_TEST(RtlMatch, Latency) {
+  for (const int width : {24, 31}) {
+    EXPECT_EQ(compare<TypeParam>(pairs<TypeParam>({width, 12}, 1, 1), {}).latency_ticks,
+              this->radius() * width + this->radius() + 7);
+  }
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

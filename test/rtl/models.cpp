@@ -1,0 +1,4 @@
+// What every Verilated model needs once.
+#include <verilated.h>
+
+double sc_time_stamp() { return 0; }
