@@ -20,6 +20,7 @@ module fs_match #(
   parameter int Disparities = 64,
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
+  parameter int Primitives = 0,  // 0 behavioural, 1 ECP5
   localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1)
 ) (
   input  logic                           clk_i,
@@ -41,7 +42,7 @@ module fs_match #(
 );
   localparam int Radius = CorrelationWindow / 2;
   localparam int LatencyRows = Radius;
-  localparam int LatencyTicks = Radius + 7;
+  localparam int LatencyTicks = Radius + 8;
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1);
   localparam int FreshBits = $clog2(Radius * CensusBits + 1);
 
@@ -84,27 +85,28 @@ module fs_match #(
   logic unused;
   assign unused = ^{unused_sol, unused_x, unused_y};
 
-  // Row flags, constant over a row: tick 3.
-  logic fresh_q;        // a row of a frame enters
-  logic fresh_row0_q;   // row 0 of a frame does
-  logic enters_q;       // the entering row is of the centre's frame
-  logic leaves_q;       // so is the leaving row
-  logic centre_row0_q;  // the centre is in row 0
-  logic enter_row0_q;
+  // Row flags, constant over a row: tick 3, and those for the sums at tick 4.
+  logic fresh_q;                          // a row of a frame enters
+  logic enters_q;                         // the entering row is of the centre's frame
+  logic leaves_q;                         // so is the leaving row
+  logic fresh_row0_q, fresh_row0_4_q;     // row 0 of a frame enters
+  logic centre_row0_q, centre_row0_4_q;   // the centre is in row 0
   always_ff @(posedge clk_i) begin
     if (en_i) begin
       fresh_q <= enter_valid;
-      if (sol) enter_row0_q <= enter_sof;
-      fresh_row0_q <= sol ? enter_sof : enter_row0_q;
+      if (sol) fresh_row0_q <= enter_sof;
+      fresh_row0_4_q <= fresh_row0_q;
       enters_q <= centre_y + 12'(Radius) < height_i;
       leaves_q <= centre_y > 12'(Radius);
       centre_row0_q <= centre_y == '0;
+      centre_row0_4_q <= centre_row0_q;
     end
   end
 
-  // Column flags of the running sum along the row, for tick 6: x is the column that enters it.
+  // Column flags of the running sum along the row, for tick 6 (first: 7): x is the column
+  // that enters it.
   logic [11:0] x3_q, x4_q, x5_q;
-  logic row_end_q, first_q, last_q;
+  logic row_end_q, first_q, first_7_q, last_q;
   always_ff @(posedge clk_i) begin
     if (en_i) begin
       x3_q <= x;
@@ -113,6 +115,7 @@ module fs_match #(
       row_end_q <= x5_q == width_i - 12'd1;
       // The centre x - Radius: the window sticks out on the left, or on the right (next row's x).
       first_q <= x5_q >= 12'(Radius) && x5_q <= 12'(2 * Radius);
+      first_7_q <= first_q;
       last_q <= x5_q < 12'(Radius);
     end
   end
@@ -121,29 +124,30 @@ module fs_match #(
   logic [Disparities*FreshBits-1:0] fresh_new, fresh_old;
   for (genvar d = 0; d < Disparities; d++) begin : g_lane
     fs_match_lane #(
-      .CensusBits(CensusBits), .CorrelationWindow(CorrelationWindow)
+      .CensusBits(CensusBits), .CorrelationWindow(CorrelationWindow),
+      .Primitives(Primitives)
     ) u_lane (
       .clk_i, .en_i,
       .enter_left_i(enter_left_q), .enter_right_i(enter_right_q[CensusBits*d+:CensusBits]),
       .leave_left_i(leave_left_q), .leave_right_i(leave_right_q[CensusBits*d+:CensusBits]),
       .seen_i(seen_q[d]),
-      .fresh_i(fresh_q), .fresh_row0_i(fresh_row0_q), .enters_i(enters_q),
-      .leaves_i(leaves_q), .centre_row0_i(centre_row0_q),
+      .fresh_i(fresh_q), .fresh_row0_i(fresh_row0_4_q), .enters_i(enters_q),
+      .leaves_i(leaves_q), .centre_row0_i(centre_row0_4_q),
       .column_old_i(column_old[ColumnBits*d+:ColumnBits]),
       .column_new_o(column_new[ColumnBits*d+:ColumnBits]),
       .fresh_old_i(fresh_old[FreshBits*d+:FreshBits]),
       .fresh_new_o(fresh_new[FreshBits*d+:FreshBits]),
-      .row_end_i(row_end_q), .first_i(first_q), .last_i(last_q),
+      .row_end_i(row_end_q), .first_i(first_7_q), .last_i(last_q),
       .sum_o(sums_o[SumBits*d+:SumBits])
     );
   end
 
-  // A row of sums, less the two ticks from a sum's read to its write.
+  // A row of sums, less the tick from a sum's read to its write.
   fs_line_delay #(
     .Bits(Disparities * (ColumnBits + FreshBits)), .MaxLength(MaxWidth)
   ) u_columns (
     .clk_i, .rst_ni, .en_i,
-    .length_i($clog2(MaxWidth + 1)'(width_i - 12'd2)),
+    .length_i($clog2(MaxWidth + 1)'(width_i - 12'd1)),
     .data_i({fresh_new, column_new}),
     .data_o({fresh_old, column_old})
   );

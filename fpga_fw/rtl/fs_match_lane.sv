@@ -4,13 +4,15 @@
 //             ticks 2, 3  Hamming distances of the entering and of the leaving row
 //             tick 4      what changes in the column
 //             tick 5      column sum (column_new_o), and the sum of a frame's first rows alone
-//                         (fresh_new_o); both come back as .._old_i a row later, at tick 3
-//             tick 6      running sum along the rows, never reset, modulo its width
-//             tick 7      window sum: its value at the window's right end less that before its
-//                         left end, both held at the ends of the row
+//                         (fresh_new_o); both come back as .._old_i a row later, at tick 4
+//             tick 6      running sum along the rows, never reset, modulo its width; kept as its
+//                         complement, which makes the last step an addition
+//             tick 7      its value at the window's right end, held at the end of the row
+//             tick 8      window sum: less the value before its left end, held at the row's start
 module fs_match_lane #(
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
+  parameter int Primitives = 0,
   localparam int Radius = CorrelationWindow / 2,
   localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1),
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1),
@@ -24,18 +26,18 @@ module fs_match_lane #(
   input  logic [CensusBits-1:0] leave_right_i,
   input  logic                  seen_i,         // tick 1: the right pixel is in the image
   input  logic                  fresh_i,        // tick 3: a row of a frame enters
-  input  logic                  fresh_row0_i,   // tick 3: row 0 of a frame does
+  input  logic                  fresh_row0_i,   // tick 4: row 0 of a frame does
   input  logic                  enters_i,       // tick 3: .. of the frame of the window's centre
   input  logic                  leaves_i,       // tick 3: a row of that frame leaves
-  input  logic                  centre_row0_i,  // tick 3: the window's centre is in row 0
-  input  logic [ColumnBits-1:0] column_old_i,   // tick 3
+  input  logic                  centre_row0_i,  // tick 4: the window's centre is in row 0
+  input  logic [ColumnBits-1:0] column_old_i,   // tick 4
   output logic [ColumnBits-1:0] column_new_o,   // tick 5
-  input  logic [FreshBits-1:0]  fresh_old_i,    // tick 3
+  input  logic [FreshBits-1:0]  fresh_old_i,    // tick 4
   output logic [FreshBits-1:0]  fresh_new_o,    // tick 5
   input  logic                  row_end_i,      // tick 6: last column of the row
-  input  logic                  first_i,        // tick 6: the window begins left of the image
+  input  logic                  first_i,        // tick 7: the window begins left of the image
   input  logic                  last_i,         // tick 6: the window ends right of the image
-  output logic [SumBits-1:0]    sum_o           // tick 7
+  output logic [SumBits-1:0]    sum_o           // tick 8
 );
   localparam int CountBits = $clog2(CensusBits + 1);
   localparam logic [CountBits-1:0] Chance = CountBits'(CensusBits / 2);
@@ -53,10 +55,23 @@ module fs_match_lane #(
 
   logic signed [CountBits:0] change_q;
   logic [CountBits-1:0] enter_q;
-  logic [ColumnBits-1:0] column_base_q;
-  logic [FreshBits-1:0] fresh_base_q;
-  logic [SumBits-1:0] running_q, row_end_q;
-  logic [SumBits*CorrelationWindow-1:0] before_q;  // running_q of 1, 2, .. columns before
+  logic [ColumnBits-1:0] column;
+  logic [FreshBits-1:0] fresh;
+  fs_add_select #(.Bits(ColumnBits), .Primitives(Primitives)) u_column (
+    .a_i(ColumnBits'(change_q)), .b_i(ColumnBits'(fresh_old_i)), .c_i(column_old_i),
+    .select_i(centre_row0_i), .sum_o(column)
+  );
+  fs_add_select #(.Bits(FreshBits), .Primitives(Primitives)) u_fresh (
+    .a_i(FreshBits'(enter_q)), .b_i(fresh_old_i), .c_i('0), .select_i(!fresh_row0_i), .sum_o(fresh)
+  );
+
+  // The running sum's complement, n = -1 - sum: so sum(high) - sum(low) = n(low) - n(high).
+  logic [SumBits-1:0] running_q, row_end_q, not_high_q, sum;
+  logic [SumBits*(CorrelationWindow+1)-1:0] before_q;  // running_q of 1, 2, .. ticks before
+  fs_add_select #(.Bits(SumBits), .CarryIn(1), .Primitives(Primitives)) u_sum (
+    .a_i(not_high_q), .b_i(row_end_q), .c_i(before_q[SumBits*CorrelationWindow+:SumBits]),
+    .select_i(first_i), .sum_o(sum)
+  );
   always_ff @(posedge clk_i) begin
     if (en_i) begin
       seen2_q <= seen_i;
@@ -64,18 +79,16 @@ module fs_match_lane #(
 
       enter_q <= fresh_i ? enter : '0;
       change_q <= {1'b0, enters_i ? enter : '0} - {1'b0, leaves_i ? leave : '0};
-      column_base_q <= centre_row0_i ? ColumnBits'(fresh_old_i) : column_old_i;
-      fresh_base_q <= fresh_row0_i ? '0 : fresh_old_i;
 
-      column_new_o <= column_base_q + ColumnBits'(change_q);
-      fresh_new_o <= fresh_base_q + FreshBits'(enter_q);
+      column_new_o <= column;
+      fresh_new_o <= fresh;
 
-      running_q <= running_q + SumBits'(column_new_o);
-      before_q <= (SumBits * CorrelationWindow)'({before_q, running_q});
+      running_q <= running_q - SumBits'(column_new_o);
+      before_q <= (SumBits * (CorrelationWindow + 1))'({before_q, running_q});
       if (row_end_i) row_end_q <= running_q;
 
-      sum_o <= (last_i ? row_end_q : running_q) -
-          (first_i ? row_end_q : before_q[SumBits*(CorrelationWindow-1)+:SumBits]);
+      not_high_q <= ~(last_i ? row_end_q : running_q);
+      sum_o <= sum;
     end
   end
 endmodule

@@ -209,7 +209,7 @@ TYPED_TEST(RtlMatch, ResetInTheMiddleOfAFrame) {
 TYPED_TEST(RtlMatch, Latency) {
   for (const int width : {24, 31}) {
     EXPECT_EQ(compare<TypeParam>(pairs<TypeParam>({width, 12}, 1, 1), {}).latency_ticks,
-              this->radius() * width + this->radius() + 7);
+              this->radius() * width + this->radius() + 8);
   }
 }
 
