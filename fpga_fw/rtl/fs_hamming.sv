@@ -1,8 +1,10 @@
 // Hamming distance of two census vectors.
 //
 // Formula   count_o = popcount(a_i ^ b_i)
-// Schedule  tick 1: popcounts of parts of Part bits; tick 2: their sum.
-// Latency   2 ticks.
+// Schedule  tick 1  popcounts of parts of 15 bits
+//           tick 2  sums of two parts each, where there are more than two
+//           last    their sum
+// Latency   2 ticks; 3 for more than 30 bits (LongBits).
 module fs_hamming #(
   parameter int Bits = 24,
   localparam int CountBits = $clog2(Bits + 1)
@@ -13,8 +15,10 @@ module fs_hamming #(
   input  logic [Bits-1:0]      b_i,
   output logic [CountBits-1:0] count_o
 );
+  localparam int LongBits = 30;
   localparam int Part = 15;
-  localparam int Parts = (Bits + Part - 1) / Part;
+  localparam int Pairs = (Bits + 2 * Part - 1) / (2 * Part);
+  localparam int Parts = 2 * Pairs;
   logic [Parts*Part-1:0] differ;
   if (Parts * Part > Bits) begin : g_fill
     assign differ[Parts*Part-1:Bits] = '0;
@@ -29,10 +33,23 @@ module fs_hamming #(
     end
   end
 
+  logic [5*Pairs-1:0] pair;
+  for (genvar k = 0; k < Pairs; k++) begin : g_pair
+    logic [4:0] sum;
+    assign sum = 5'(part_q[8*k+:4]) + 5'(part_q[8*k+4+:4]);
+    if (Bits > LongBits) begin : g_tick
+      always_ff @(posedge clk_i) begin
+        if (en_i) pair[5*k+:5] <= sum;
+      end
+    end else begin : g_same_tick
+      assign pair[5*k+:5] = sum;
+    end
+  end
+
   logic [CountBits-1:0] sum;
   always_comb begin
     sum = '0;
-    for (int k = 0; k < Parts; k++) sum = sum + CountBits'(part_q[4*k+:4]);
+    for (int k = 0; k < Pairs; k++) sum = sum + CountBits'(pair[5*k+:5]);
   end
   always_ff @(posedge clk_i) begin
     if (en_i) count_o <= sum;

@@ -6,7 +6,8 @@
 // Schedule  per disparity a lane (fs_match_lane) that never recomputes a window: of each column the
 //           running sum over its rows gains the row that enters and loses the row that leaves;
 //           a running sum along the row gives the window. Column sums wait a row in block RAM.
-//           Tick 1 sets the left bits and the right bits of d pixels earlier side by side, then
+//           The ticks below are those of up to 30 census bits; with more, all from tick 3 on are one
+//           later. Tick 1 sets the left bits and the right bits of d pixels earlier side by side, then
 //           the lane's ticks follow.
 //           Frames without a gap: while the last rows of a frame still leave the sums, the first
 //           rows of the next enter a second sum of their own, and are taken over from it when the
@@ -42,7 +43,8 @@ module fs_match #(
 );
   localparam int Radius = CorrelationWindow / 2;
   localparam int LatencyRows = Radius;
-  localparam int LatencyTicks = Radius + 8;
+  localparam int Long = CensusBits > 30 ? 1 : 0;  // fs_hamming takes a tick more: all behind it, too
+  localparam int LatencyTicks = Radius + 8 + Long;
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1);
   localparam int FreshBits = $clog2(Radius * CensusBits + 1);
 
@@ -65,11 +67,11 @@ module fs_match #(
 
   // What the row that enters is to its frame, and where the window's centre stands, at tick 3.
   logic enter_valid, enter_sof, sol, centre_valid, centre_sof, unused_sol;
-  fs_raster_delay #(.Rows(0), .Ticks(2)) u_enter (
+  fs_raster_delay #(.Rows(0), .Ticks(2 + Long)) u_enter (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
     .valid_o(enter_valid), .sof_o(enter_sof), .sol_o(sol)
   );
-  fs_raster_delay #(.Rows(Radius), .Ticks(2)) u_centre (
+  fs_raster_delay #(.Rows(Radius), .Ticks(2 + Long)) u_centre (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
     .valid_o(centre_valid), .sof_o(centre_sof), .sol_o(unused_sol)
   );

@@ -1,7 +1,8 @@
 // One disparity of match: two Hamming distances, the column sum, the window sum.
 //
 // Schedule  the vectors at the inputs are those of tick 1 of fs_match:
-//             ticks 2, 3  Hamming distances of the entering and of the leaving row
+//             ticks 2, 3  Hamming distances of the entering and of the leaving row (with more than
+//                         30 bits they take a tick more, and all else comes a tick later)
 //             tick 4      what changes in the column
 //             tick 5      column sum (column_new_o), and the sum of a frame's first rows alone
 //                         (fresh_new_o); both come back as .._old_i a row later, at tick 4
@@ -42,7 +43,8 @@ module fs_match_lane #(
   localparam int CountBits = $clog2(CensusBits + 1);
   localparam logic [CountBits-1:0] Chance = CountBits'(CensusBits / 2);
 
-  logic seen2_q, seen3_q;
+  localparam int SeenTicks = CensusBits > 30 ? 3 : 2;
+  logic [SeenTicks-1:0] seen_q;
   logic [CountBits-1:0] enter_count, leave_count, enter, leave;
   fs_hamming #(.Bits(CensusBits)) u_enter (
     .clk_i, .en_i, .a_i(enter_left_i), .b_i(enter_right_i), .count_o(enter_count)
@@ -50,8 +52,8 @@ module fs_match_lane #(
   fs_hamming #(.Bits(CensusBits)) u_leave (
     .clk_i, .en_i, .a_i(leave_left_i), .b_i(leave_right_i), .count_o(leave_count)
   );
-  assign enter = seen3_q ? enter_count : Chance;
-  assign leave = seen3_q ? leave_count : Chance;
+  assign enter = seen_q[SeenTicks-1] ? enter_count : Chance;
+  assign leave = seen_q[SeenTicks-1] ? leave_count : Chance;
 
   logic signed [CountBits:0] change_q;
   logic [CountBits-1:0] enter_q;
@@ -74,8 +76,7 @@ module fs_match_lane #(
   );
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      seen2_q <= seen_i;
-      seen3_q <= seen2_q;
+      seen_q <= SeenTicks'({seen_q, seen_i});
 
       enter_q <= fresh_i ? enter : '0;
       change_q <= {1'b0, enters_i ? enter : '0} - {1'b0, leaves_i ? leave : '0};
