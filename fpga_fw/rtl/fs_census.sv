@@ -66,13 +66,13 @@ module fs_census #(
     .data_o(taps[16*(Lines+1)-1:16])
   );
 
-  // Where the entering and the leaving centre stand, one tick ahead of the windows.
+  // Where the entering and the leaving centre stand, two ticks ahead of the windows.
   logic enter_valid, enter_sof, sol, leave_valid, leave_sof, unused_sol;
-  fs_raster_delay #(.Rows(Reach), .Ticks(Reach)) u_enter (
+  fs_raster_delay #(.Rows(Reach), .Ticks(Reach - 1)) u_enter (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
     .valid_o(enter_valid), .sof_o(enter_sof), .sol_o(sol)
   );
-  fs_raster_delay #(.Rows(Reach + CorrelationWindow), .Ticks(Reach)) u_leave (
+  fs_raster_delay #(.Rows(Reach + CorrelationWindow), .Ticks(Reach - 1)) u_leave (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
     .valid_o(leave_valid), .sof_o(leave_sof), .sol_o(unused_sol)
   );
@@ -87,19 +87,35 @@ module fs_census #(
     .x_o(unused_x), .y_o(leave_y)
   );
 
+  // One tick ahead: how far the image reaches to each side of them.
+  logic [11:0] x_q, right_q, enter_y_q, enter_below_q, leave_y_q, leave_below_q;
+  always_ff @(posedge clk_i) begin
+    if (en_i) begin
+      x_q <= x;
+      right_q <= width_i - 12'd1 - x;
+      enter_y_q <= enter_y;
+      enter_below_q <= height_i - 12'd1 - enter_y;
+      leave_y_q <= leave_y;
+      leave_below_q <= height_i - 12'd1 - leave_y;
+    end
+  end
+
   // Which columns and rows of the windows lie in the image; place i is offset Step i - Reach.
   logic [Side-1:0] columns_q, enter_rows_q, leave_rows_q;
   for (genvar i = 0; i < Side; i++) begin : g_inside
     localparam int Offset = Step * i - Reach;
+    localparam logic [11:0] Needed = 12'(Offset < 0 ? -Offset : Offset);
     logic column, enter_row, leave_row;
     if (Offset < 0) begin : g_before
-      assign column = x >= 12'(-Offset);
-      assign enter_row = enter_y >= 12'(-Offset);
-      assign leave_row = leave_y >= 12'(-Offset);
-    end else begin : g_behind
-      assign column = x + 12'(Offset) < width_i;
-      assign enter_row = enter_y + 12'(Offset) < height_i;
-      assign leave_row = leave_y + 12'(Offset) < height_i;
+      assign column = x_q >= Needed;
+      assign enter_row = enter_y_q >= Needed;
+      assign leave_row = leave_y_q >= Needed;
+    end else if (Offset > 0) begin : g_behind
+      assign column = right_q >= Needed;
+      assign enter_row = enter_below_q >= Needed;
+      assign leave_row = leave_below_q >= Needed;
+    end else begin : g_centre
+      assign {column, enter_row, leave_row} = '1;
     end
     always_ff @(posedge clk_i) begin
       if (en_i) begin

@@ -65,13 +65,13 @@ module fs_match #(
     end
   end
 
-  // What the row that enters is to its frame, and where the window's centre stands, at tick 3.
+  // What the row that enters is to its frame, and where the window's centre stands, at tick 2.
   logic enter_valid, enter_sof, sol, centre_valid, centre_sof, unused_sol;
-  fs_raster_delay #(.Rows(0), .Ticks(2 + Long)) u_enter (
+  fs_raster_delay #(.Rows(0), .Ticks(1 + Long)) u_enter (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
     .valid_o(enter_valid), .sof_o(enter_sof), .sol_o(sol)
   );
-  fs_raster_delay #(.Rows(Radius), .Ticks(2 + Long)) u_centre (
+  fs_raster_delay #(.Rows(Radius), .Ticks(1 + Long)) u_centre (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
     .valid_o(centre_valid), .sof_o(centre_sof), .sol_o(unused_sol)
   );
@@ -86,6 +86,20 @@ module fs_match #(
   );
   logic unused;
   assign unused = ^{unused_sol, unused_x, unused_y};
+  logic enter_valid_q, enter_sof_q, sol_q;
+  logic [11:0] x_q, centre_y_q;
+  logic [11:0] last_x_q, rows_below_q;  // of the settings: the centre has more rows than Radius below
+  always_ff @(posedge clk_i) begin
+    last_x_q <= width_i - 12'd1;
+    rows_below_q <= height_i > 12'(Radius) ? height_i - 12'(Radius) : '0;
+    if (en_i) begin
+      enter_valid_q <= enter_valid;
+      enter_sof_q <= enter_sof;
+      sol_q <= sol;
+      x_q <= x;
+      centre_y_q <= centre_y;
+    end
+  end
 
   // Row flags, constant over a row: tick 3, and those for the sums at tick 4.
   logic fresh_q;                          // a row of a frame enters
@@ -95,12 +109,12 @@ module fs_match #(
   logic centre_row0_q, centre_row0_4_q;   // the centre is in row 0
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      fresh_q <= enter_valid;
-      if (sol) fresh_row0_q <= enter_sof;
+      fresh_q <= enter_valid_q;
+      if (sol_q) fresh_row0_q <= enter_sof_q;
       fresh_row0_4_q <= fresh_row0_q;
-      enters_q <= centre_y + 12'(Radius) < height_i;
-      leaves_q <= centre_y > 12'(Radius);
-      centre_row0_q <= centre_y == '0;
+      enters_q <= centre_y_q < rows_below_q;
+      leaves_q <= centre_y_q > 12'(Radius);
+      centre_row0_q <= centre_y_q == '0;
       centre_row0_4_q <= centre_row0_q;
     end
   end
@@ -111,10 +125,10 @@ module fs_match #(
   logic row_end_q, first_q, first_7_q, last_q;
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      x3_q <= x;
+      x3_q <= x_q;
       x4_q <= x3_q;
       x5_q <= x4_q;
-      row_end_q <= x5_q == width_i - 12'd1;
+      row_end_q <= x5_q == last_x_q;
       // The centre x - Radius: the window sticks out on the left, or on the right (next row's x).
       first_q <= x5_q >= 12'(Radius) && x5_q <= 12'(2 * Radius);
       first_7_q <= first_q;
