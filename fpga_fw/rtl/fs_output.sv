@@ -1,0 +1,124 @@
+// From the raster behind the last stage to the stream of disparities.
+//
+// Formula   one word per pixel of a frame: disparity, sof (first pixel of the frame), eol (last of
+//           the row), eof (last of the frame), bad (with eof: the frame was cut or long, or rectify
+//           lacked pixels of it).
+// Schedule  tick      the pixel, its place on the frame: registered
+//           clock 1   into fs_stream_fifo; room_o follows in clock 3
+//           Bad frames: two sources tell, each in the order of frames: the input (frame_in_i, then
+//           frame_bad_i) and rectify (buffer_sof_i, then buffer_error_i). The flag of the frame
+//           that a source began last is a register; those of older frames in flight wait in a
+//           small memory, at the frame's number.
+// Latency   3 clocks from the tick to valid_o.
+// Handshake raster in, stream out. room_o says that the FIFO can take 4 words more: so many may be
+//           on their way when fs_input, whose en_o must come here directly, reads it. While
+//           stage_rst_ni is low the raster is ignored.
+// Limits    MaxFrames as in fs_input. A flag must come 4 clocks before its frame's last tick.
+module fs_output #(
+  parameter int MaxFrames = 256
+) (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic [11:0] width_i,
+  input  logic [11:0] height_i,
+  // The raster.
+  input  logic        stage_rst_ni,
+  input  logic        en_i,
+  input  logic        valid_i,
+  input  logic        sof_i,
+  input  logic        sol_i,
+  input  logic [15:0] disparity_i,
+  // To and from the input. Pulses.
+  output logic        room_o,
+  output logic        frame_out_o,     // a frame's last pixel has left the pipeline
+  input  logic        frame_in_i,      // a frame has begun
+  input  logic        frame_bad_i,     // the frame that began last is bad
+  // From rectify, as its raster: read in ticks.
+  input  logic        buffer_sof_i,    // first pixel of a frame
+  input  logic        buffer_error_i,  // in the frame of the last sof, also in the tick of the sof
+  output logic        buffer_frame_o,  // pulse: a frame with such errors has left the pipeline
+  // The stream.
+  output logic        valid_o,
+  input  logic        ready_i,
+  output logic        sof_o,
+  output logic        eol_o,
+  output logic        eof_o,
+  output logic        bad_o,
+  output logic [15:0] disparity_o
+);
+  localparam int Depth = 16;
+  localparam int OnTheWay = 4;
+  localparam int FrameBits = $clog2(MaxFrames);
+  if (MaxFrames < 4 || MaxFrames != 1 << FrameBits)
+    initial $fatal(1, "fs_output: MaxFrames is %0d, allowed: 4, 8, 16, ..", MaxFrames);
+
+  // The pixel's place.
+  logic tick, take;
+  assign tick = en_i & stage_rst_ni;
+  assign take = tick & valid_i;
+  logic [11:0] x, y, last_x_q, last_y_q;
+  fs_position u_position (
+    .clk_i, .rst_ni(stage_rst_ni), .en_i(tick), .valid_i, .sof_i, .sol_i, .x_o(x), .y_o(y)
+  );
+  // The row may be known two clocks late: its last column is not among the first.
+  logic [11:0] y_q;
+  logic last_column, last_row_q, last;
+  assign last_column = x == last_x_q;
+  assign last = last_column & last_row_q;
+
+  // Bad frames, by source: 0 the input, 1 rectify.
+  logic [1:0] began, told, bad_q;
+  assign began = {tick & buffer_sof_i, frame_in_i};
+  assign told = {tick & buffer_error_i, frame_bad_i};
+  logic [FrameBits-1:0] out_q;  // number of the frame that leaves next
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni) out_q <= '0;
+    else if (frame_out_o) out_q <= out_q + 1'b1;
+  end
+  for (genvar source = 0; source < 2; source++) begin : g_source
+    (* ram_style = "distributed" *) logic older[0:MaxFrames-1];
+    logic [FrameBits-1:0] newest_q;
+    logic flag_q, was_newest_q, was_flag_q, was_older_q;
+    always_ff @(posedge clk_i) begin
+      if (began[source]) older[newest_q] <= flag_q;
+      if (!rst_ni) begin
+        newest_q <= '1;
+        flag_q <= 1'b0;
+      end else begin
+        if (began[source]) newest_q <= newest_q + 1'b1;
+        flag_q <= told[source] | (flag_q & ~began[source]);
+      end
+      // All three as of the same clock.
+      was_newest_q <= out_q == newest_q;
+      was_flag_q <= flag_q;
+      was_older_q <= older[out_q];
+      bad_q[source] <= was_newest_q ? was_flag_q : was_older_q;
+    end
+  end
+
+  // The word.
+  logic push_q;
+  logic [19:0] word_q;
+  always_ff @(posedge clk_i) begin
+    last_x_q <= width_i - 12'd1;
+    last_y_q <= height_i - 12'd1;
+    y_q <= y;
+    last_row_q <= y_q == last_y_q;
+    word_q <= {last & |bad_q, last, last_column, sof_i, disparity_i};
+    push_q <= rst_ni & take;
+    frame_out_o <= rst_ni & take & last;
+    buffer_frame_o <= rst_ni & take & last & bad_q[1];
+  end
+
+  logic unused_ready;
+  logic [$clog2(Depth):0] count;
+  fs_stream_fifo #(.Bits(20), .Depth(Depth)) u_fifo (
+    .clk_i, .rst_ni,
+    .valid_i(push_q), .ready_o(unused_ready), .data_i(word_q),
+    .valid_o, .ready_i, .data_o({bad_o, eof_o, eol_o, sof_o, disparity_o}),
+    .count_o(count)
+  );
+  always_ff @(posedge clk_i) begin
+    room_o <= rst_ni & count <= ($clog2(Depth) + 1)'(Depth - OnTheWay);
+  end
+endmodule

@@ -1,0 +1,288 @@
+// The register file: configuration in two copies, meshes' upload, errors, counters, signatures.
+//
+// Formula   fpga_fw/spec/registers.md, generated from spec.yaml with fs_pkg.
+// C++ twin  fpga_stereo/core/spec.hpp (addresses, fields, reset values)
+// Schedule  write_i  the register has its value in the next clock
+//           read_i   read_valid_o and data_o in the next clock
+//           apply    CONTROL.apply starts a check of the shadow's ranges; in the clock behind it
+//                    pending_o goes high, or ERRORS.config does and nothing else changes. When
+//                    fs_input answers with apply_i, in that clock the whole shadow is copied.
+//                    What takes effect is what the shadow was at CONTROL.apply: writing to the
+//                    shadow or to a mesh withdraws an apply that still waits; CONTROL.apply must
+//                    then be written again.
+//           meshes   MESH_DATA gives one clock of mesh_we_o, for the bank that is not bank_o. Both
+//                    cameras change banks together, at an apply, if a node was written since the
+//                    last one: so each upload must be complete, and for both cameras.
+// Latency   1 clock.
+// Handshake none: write_i and read_i are taken in every clock, also both together.
+// Limits    out of range: WIDTH below the smallest that the stages allow or above MaxWidth, HEIGHT
+//           0 or above GatewareMaxHeight, READ_START.pixels not below WIDTH, READ_START.rows not
+//           below LineRows. Nodes from MeshNodes on are not written. An event in the clock that
+//           clears its counter or error counts.
+module fs_registers #(
+  parameter int MaxWidth = 640,
+  parameter int Disparities = 64,
+  parameter int CensusWindow = 11,
+  parameter int CorrelationWindow = 15,
+  parameter int CensusFull = 0,
+  parameter int LineRows = 32,
+  parameter int MeshNodes = 8192,
+  localparam int NodeBits = $clog2(MeshNodes)
+) (
+  input  logic                           clk_i,
+  input  logic                           rst_ni,
+  // The bus.
+  input  logic                           write_i,
+  input  logic                           read_i,
+  input  logic [7:0]                     address_i,
+  input  logic [31:0]                    data_i,
+  output logic                           read_valid_o,
+  output logic [31:0]                    data_o,
+  // The configuration in effect.
+  output logic [11:0]                    width_o,
+  output logic [11:0]                    height_o,
+  output logic [11:0]                    read_pixels_o,
+  output logic [7:0]                     read_rows_o,
+  output logic                           left_right_check_o,
+  output logic                           uniqueness_check_o,
+  output logic                           subpixel_o,
+  output logic [7:0]                     disp12_max_diff_o,
+  output logic [9:0]                     uniqueness_o,
+  output logic [9:0]                     speckle_size_o,
+  output logic [9:0]                     speckle_range_o,
+  // When it changes: to and from fs_input.
+  output logic                           pending_o,
+  input  logic                           apply_i,
+  // Meshes.
+  output logic                           mesh_we_o,
+  output logic                           mesh_right_o,
+  output logic [NodeBits-1:0]            mesh_node_o,
+  output logic [31:0]                    mesh_data_o,
+  output logic                           bank_o,
+  // What there is to tell. Pulses, but for busy_i, buffer_left_i, buffer_right_i, signatures_i.
+  input  logic                           busy_i,
+  input  logic                           frame_in_i,
+  input  logic                           frame_out_i,
+  input  logic                           cut_frame_i,
+  input  logic                           long_frame_i,
+  input  logic                           buffer_left_i,
+  input  logic                           buffer_right_i,
+  input  logic                           buffer_frame_i,
+  input  logic [32*fs_pkg::NumStages-1:0] signatures_i
+);
+  // The running sum of match takes wider images than the window.
+  localparam int MinWidth = CorrelationWindow + 1 > fs_pkg::GatewareMinWidth ?
+                            CorrelationWindow + 1 : fs_pkg::GatewareMinWidth;
+  localparam int ResetWidth = MaxWidth < fs_pkg::RegWidthReset ? MaxWidth : fs_pkg::RegWidthReset;
+  localparam logic [31:0] Build = 32'(MaxWidth) << fs_pkg::BuildMaxWidthLsb |
+                                  32'(Disparities % 256) << fs_pkg::BuildDisparitiesLsb |
+                                  32'(CensusWindow) << fs_pkg::BuildCensusWindowLsb |
+                                  32'(CorrelationWindow) << fs_pkg::BuildCorrelationWindowLsb |
+                                  32'(CensusFull != 0 ? 1 : 0) << fs_pkg::BuildCensusFullLsb;
+  if (MaxWidth < MinWidth || MaxWidth > fs_pkg::GatewareMaxWidth)
+    initial $fatal(1, "fs_registers: MaxWidth is %0d, allowed: %0d to %0d", MaxWidth, MinWidth,
+                   fs_pkg::GatewareMaxWidth);
+  if (LineRows < 2 || LineRows > 256)
+    initial $fatal(1, "fs_registers: LineRows is %0d, allowed: 2 to 256", LineRows);
+  if (MeshNodes < 2 || MeshNodes > 65536)
+    initial $fatal(1, "fs_registers: MeshNodes is %0d, allowed: 2 to 65536", MeshNodes);
+
+  logic write_control, clear, write_mesh;
+  assign write_control = write_i & address_i == fs_pkg::RegControl;
+  assign clear = write_control & data_i[fs_pkg::ControlClearLsb];
+  assign write_mesh = write_i & address_i == fs_pkg::RegMeshData;
+
+  // The shadow and the configuration in effect: registers of 32 bits side by side, from RegWidth
+  // on; bits in no field stay 0. Where each field begins:
+  localparam int Words = 8;
+  localparam int Bits = 32 * Words;
+  localparam int Base = 32'(fs_pkg::RegWidth);
+  localparam int Width = 32 * (32'(fs_pkg::RegWidth) - Base) + fs_pkg::WidthPixelsLsb;
+  localparam int Height = 32 * (32'(fs_pkg::RegHeight) - Base) + fs_pkg::HeightRowsLsb;
+  localparam int ReadPixels = 32 * (32'(fs_pkg::RegReadStart) - Base) + fs_pkg::ReadStartPixelsLsb;
+  localparam int ReadRows = 32 * (32'(fs_pkg::RegReadStart) - Base) + fs_pkg::ReadStartRowsLsb;
+  localparam int LeftRightCheck =
+      32 * (32'(fs_pkg::RegFlags) - Base) + fs_pkg::FlagsLeftRightCheckLsb;
+  localparam int UniquenessCheck =
+      32 * (32'(fs_pkg::RegFlags) - Base) + fs_pkg::FlagsUniquenessCheckLsb;
+  localparam int Subpixel = 32 * (32'(fs_pkg::RegFlags) - Base) + fs_pkg::FlagsSubpixelLsb;
+  localparam int Disp12MaxDiff =
+      32 * (32'(fs_pkg::RegDisp12MaxDiff) - Base) + fs_pkg::Disp12MaxDiffPixelsLsb;
+  localparam int Uniqueness =
+      32 * (32'(fs_pkg::RegUniqueness) - Base) + fs_pkg::UniquenessFactorLsb;
+  localparam int SpeckleSize =
+      32 * (32'(fs_pkg::RegSpeckleSize) - Base) + fs_pkg::SpeckleSizePixelsLsb;
+  localparam int SpeckleRange =
+      32 * (32'(fs_pkg::RegSpeckleRange) - Base) + fs_pkg::SpeckleRangeUnitsLsb;
+  localparam logic [Bits-1:0] One = 1;
+  localparam logic [Bits-1:0] Mask =
+      ((One << fs_pkg::WidthPixelsBits) - One) << Width |
+      ((One << fs_pkg::HeightRowsBits) - One) << Height |
+      ((One << fs_pkg::ReadStartPixelsBits) - One) << ReadPixels |
+      ((One << fs_pkg::ReadStartRowsBits) - One) << ReadRows |
+      ((One << fs_pkg::FlagsLeftRightCheckBits) - One) << LeftRightCheck |
+      ((One << fs_pkg::FlagsUniquenessCheckBits) - One) << UniquenessCheck |
+      ((One << fs_pkg::FlagsSubpixelBits) - One) << Subpixel |
+      ((One << fs_pkg::Disp12MaxDiffPixelsBits) - One) << Disp12MaxDiff |
+      ((One << fs_pkg::UniquenessFactorBits) - One) << Uniqueness |
+      ((One << fs_pkg::SpeckleSizePixelsBits) - One) << SpeckleSize |
+      ((One << fs_pkg::SpeckleRangeUnitsBits) - One) << SpeckleRange;
+  localparam logic [Bits-1:0] FirstValue = {
+      fs_pkg::RegSpeckleRangeReset, fs_pkg::RegSpeckleSizeReset, fs_pkg::RegUniquenessReset,
+      fs_pkg::RegDisp12MaxDiffReset, fs_pkg::RegFlagsReset, fs_pkg::RegReadStartReset,
+      fs_pkg::RegHeightReset, fs_pkg::RegWidthReset};
+  logic [Bits-1:0] shadow_q, active_q;
+
+  logic [7:0] word;
+  logic write_shadow;
+  assign word = address_i - fs_pkg::RegWidth;
+  assign write_shadow = write_i & word < 8'(Words);
+  for (genvar i = 0; i < Words; i++) begin : g_word
+    always_ff @(posedge clk_i) begin
+      if (!rst_ni) shadow_q[32*i+:32] <= FirstValue[32*i+:32];
+      else if (write_shadow & word == 8'(i)) shadow_q[32*i+:32] <= data_i & Mask[32*i+:32];
+    end
+  end
+
+  // The range check sees the shadow one clock late, and is asked one clock after CONTROL.apply.
+  logic [11:0] width, height, read_pixels;
+  logic [7:0] read_rows;
+  assign width = shadow_q[Width+:12];
+  assign height = shadow_q[Height+:12];
+  assign read_pixels = shadow_q[ReadPixels+:12];
+  assign read_rows = shadow_q[ReadRows+:8];
+  logic width_ok_q, height_ok_q, pixels_ok_q, rows_ok_q, check_q, pending_q, ok;
+  assign ok = width_ok_q & height_ok_q & pixels_ok_q & rows_ok_q;
+  always_ff @(posedge clk_i) begin
+    width_ok_q <= width >= 12'(MinWidth) & width <= 12'(MaxWidth);
+    height_ok_q <= height >= 12'd1 & height <= 12'(fs_pkg::GatewareMaxHeight);
+    pixels_ok_q <= read_pixels < width;
+    rows_ok_q <= {1'b0, read_rows} < 9'(LineRows);
+  end
+
+  logic apply, written_q;
+  assign apply = apply_i & pending_q;
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni) begin
+      active_q <= FirstValue;
+      active_q[Width+:12] <= 12'(ResetWidth);
+      check_q <= 1'b0;
+      pending_q <= 1'b0;
+      written_q <= 1'b0;
+      bank_o <= 1'b0;
+    end else begin
+      if (apply) active_q <= shadow_q;
+      check_q <= write_control & data_i[fs_pkg::ControlApplyLsb];
+      pending_q <= (check_q ? ok : pending_q & ~apply) & ~write_shadow & ~write_mesh;
+      written_q <= mesh_we_o | (written_q & ~apply);
+      bank_o <= bank_o ^ (apply & written_q);
+    end
+  end
+  assign pending_o = pending_q;
+  assign width_o = active_q[Width+:12];
+  assign height_o = active_q[Height+:12];
+  assign read_pixels_o = active_q[ReadPixels+:12];
+  assign read_rows_o = active_q[ReadRows+:8];
+  assign left_right_check_o = active_q[LeftRightCheck];
+  assign uniqueness_check_o = active_q[UniquenessCheck];
+  assign subpixel_o = active_q[Subpixel];
+  assign disp12_max_diff_o = active_q[Disp12MaxDiff+:8];
+  assign uniqueness_o = active_q[Uniqueness+:10];
+  assign speckle_size_o = active_q[SpeckleSize+:10];
+  assign speckle_range_o = active_q[SpeckleRange+:10];
+  logic unused_active;
+  assign unused_active = ^active_q;
+
+  // Meshes.
+  logic [15:0] node_q;
+  logic right_q;
+  always_ff @(posedge clk_i) begin
+    if (write_i & address_i == fs_pkg::RegMeshAddress) begin
+      node_q <= 16'(data_i >> fs_pkg::MeshAddressNodeLsb);
+      right_q <= data_i[fs_pkg::MeshAddressCameraLsb];
+    end else if (write_mesh) begin
+      node_q <= node_q + 16'd1;
+    end
+    mesh_we_o <= rst_ni & write_mesh & {1'b0, node_q} < 17'(MeshNodes);
+    mesh_right_o <= right_q;
+    mesh_node_o <= NodeBits'(node_q);
+    mesh_data_o <= data_i;
+    if (!rst_ni) begin
+      node_q <= '0;
+      right_q <= 1'b0;
+    end
+  end
+
+  // Errors and counters.
+  localparam int ErrorBits = fs_pkg::ErrorsLabelsLsb + 1;
+  logic [ErrorBits-1:0] errors_q, raised, cleared;
+  always_comb begin
+    raised = '0;
+    raised[fs_pkg::ErrorsCutFrameLsb] = cut_frame_i;
+    raised[fs_pkg::ErrorsLongFrameLsb] = long_frame_i;
+    raised[fs_pkg::ErrorsBufferLeftLsb] = buffer_left_i;
+    raised[fs_pkg::ErrorsBufferRightLsb] = buffer_right_i;
+    raised[fs_pkg::ErrorsConfigLsb] = check_q & ~ok;
+    cleared = clear ? '1 : '0;
+    if (write_i & address_i == fs_pkg::RegErrors) cleared = ErrorBits'(data_i);
+  end
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni) errors_q <= '0;
+    else errors_q <= (errors_q & ~cleared) | raised;
+  end
+
+  // In the order of their registers, from RegFramesIn on.
+  localparam int Counters = 32'(fs_pkg::RegMeshSwaps) - 32'(fs_pkg::RegFramesIn) + 1;
+  logic [Counters-1:0] events;
+  logic [32*Counters-1:0] counters_q;
+  always_comb begin
+    events = '0;
+    events[3'(fs_pkg::RegFramesIn-fs_pkg::RegFramesIn)] = frame_in_i;
+    events[3'(fs_pkg::RegFramesOut-fs_pkg::RegFramesIn)] = frame_out_i;
+    events[3'(fs_pkg::RegCutFrames-fs_pkg::RegFramesIn)] = cut_frame_i;
+    events[3'(fs_pkg::RegLongFrames-fs_pkg::RegFramesIn)] = long_frame_i;
+    events[3'(fs_pkg::RegBufferErrors-fs_pkg::RegFramesIn)] = buffer_frame_i;
+    events[3'(fs_pkg::RegMeshSwaps-fs_pkg::RegFramesIn)] = apply & written_q;
+  end
+  for (genvar i = 0; i < Counters; i++) begin : g_counter
+    always_ff @(posedge clk_i) begin
+      if (!rst_ni) counters_q[32*i+:32] <= '0;
+      else if (clear) counters_q[32*i+:32] <= 32'(events[i]);
+      else if (events[i]) counters_q[32*i+:32] <= counters_q[32*i+:32] + 32'd1;
+    end
+  end
+
+  // Reading.
+  logic [31:0] value;
+  logic [7:0] counter, signature;
+  assign counter = address_i - fs_pkg::RegFramesIn;
+  assign signature = address_i - fs_pkg::RegSignatureRectify;
+  always_comb begin
+    value = '0;
+    case (address_i)
+      fs_pkg::RegIdentity: value = fs_pkg::RegIdentityReset;
+      fs_pkg::RegSpecHash: value = fs_pkg::RegSpecHashReset;
+      fs_pkg::RegVersion: value = fs_pkg::RegVersionReset;
+      fs_pkg::RegBuild: value = Build;
+      fs_pkg::RegBuildLineRows: value = 32'(LineRows);
+      fs_pkg::RegBuildMeshNodes: value = 32'(MeshNodes);
+      fs_pkg::RegStatus: begin
+        value[fs_pkg::StatusPendingLsb] = pending_q | check_q;
+        value[fs_pkg::StatusBusyLsb] = busy_i;
+        value[fs_pkg::StatusBankLsb] = bank_o;
+      end
+      fs_pkg::RegErrors: value = 32'(errors_q);
+      fs_pkg::RegMeshAddress:
+        value = 32'(node_q) << fs_pkg::MeshAddressNodeLsb |
+                32'(right_q) << fs_pkg::MeshAddressCameraLsb;
+      default: ;
+    endcase
+    if (word < 8'(Words)) value = shadow_q[32*3'(word)+:32];
+    if (counter < 8'(Counters)) value = counters_q[32*3'(counter)+:32];
+    if (signature < 8'(fs_pkg::NumStages)) value = signatures_i[32*3'(signature)+:32];
+  end
+  always_ff @(posedge clk_i) begin
+    read_valid_o <= rst_ni & read_i;
+    if (read_i) data_o <= value;
+  end
+endmodule

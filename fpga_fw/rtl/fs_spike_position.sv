@@ -1,0 +1,31 @@
+// Where a pixel stands in its row, for one pipeline stage of spike.
+//
+// Formula   position x = 3 word + slot, slot 0..2: the code {word, slot} names a pixel of a row
+//           everywhere in spike. So three neighbours share a word of a 36-bit block RAM, and the
+//           codes with slot 3 are free for verdicts. Only equality of codes is ever needed.
+// Schedule  a counter; first_i is the row start of the stage before, so that the outputs are
+//           registers of their stage.
+// Limits    none: outside rows it counts on and nobody looks.
+module fs_spike_position #(
+  parameter int WordBits = 8
+) (
+  input  logic                clk_i,
+  input  logic                rst_ni,
+  input  logic                en_i,
+  input  logic                first_i,
+  output logic [WordBits-1:0] word_o,
+  output logic [1:0]          slot_o,
+  output logic                odd_o  // another value in every row
+);
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni) begin
+      word_o <= '0;
+      slot_o <= '0;
+      odd_o <= 1'b0;
+    end else if (en_i) begin
+      word_o <= first_i ? '0 : slot_o[1] ? word_o + 1'b1 : word_o;
+      slot_o <= first_i || slot_o[1] ? 2'd0 : {slot_o[0], ~slot_o[0]};
+      odd_o <= odd_o ^ first_i;
+    end
+  end
+endmodule

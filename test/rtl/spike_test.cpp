@@ -1,0 +1,309 @@
+// fs_spike against spike().
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "SpikeSmall.h"
+#include "SpikeVga.h"
+#include "SpikeWide.h"
+#include "fpga_stereo/core/stages.hpp"
+#include "raster.hpp"
+#include "support/compare.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+constexpr int kNear = 40 * kDisparityScale;  // no speckle_range of these tests but 31 reaches kFar
+constexpr int kFar = 60 * kDisparityScale;
+constexpr int kNone = kNoDisparity;
+
+Parameters speckles(int size, int range) {
+  Parameters p;
+  p.speckle_size = size;
+  p.speckle_range = range;
+  return p;
+}
+
+/// Runs the images through the model, each a frame, and compares.
+template <class Model>
+RasterResult compare(const std::vector<cv::Mat1w>& images, const Parameters& p, Raster raster) {
+  raster.width = images[0].cols;
+  raster.height = images[0].rows;
+  const auto frames = static_cast<int>(images.size());
+  std::vector<cv::Mat1w> expected, actual;
+  for (const cv::Mat1w& image : images) {
+    expected.push_back(image.clone());
+    spike(p, expected.back());
+    actual.emplace_back(image.size(), std::uint16_t{0});
+  }
+  Model model;
+  model.width_i = raster.width;
+  model.height_i = raster.height;
+  model.speckle_size_i = p.speckle_size;
+  model.speckle_range_i = p.speckle_range * kDisparityScale;
+  const RasterResult result = run_raster(
+      model, raster, frames,
+      [&](int frame, int x, int y) { model.disparity_i = images[frame](y, x); },
+      [&](std::mt19937& random) { model.disparity_i = random() % 2 != 0 ? kNear : kNone; },
+      [&](int frame, int x, int y) { actual[frame](y, x) = model.disparity_o; });
+  for (int frame = 0; frame < frames; ++frame) {
+    EXPECT_TRUE(same("spike", expected[frame], actual[frame],
+                     {p, raster.seed, "frame " + std::to_string(frame)}));
+  }
+  return result;
+}
+
+cv::Mat1w painted(cv::Size size, const std::function<int(int x, int y)>& value) {
+  cv::Mat1w image(size);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) image(y, x) = static_cast<std::uint16_t>(value(x, y));
+  }
+  return image;
+}
+
+/// Disparities 0, step .. levels * step, and none in a share of the pixels.
+cv::Mat1w noise(cv::Size size, int levels, int step, double none, unsigned seed) {
+  std::mt19937 random(seed);
+  return painted(size, [&](int, int) {
+    if (std::uniform_real_distribution<>()(random) < none) return kNone;
+    return std::uniform_int_distribution<>(0, levels)(random) * step;
+  });
+}
+
+/// Noise of many kinds; with one level and 40 % of none regions are as ragged as they get.
+std::vector<cv::Mat1w> noises(cv::Size size, unsigned seed) {
+  std::vector<cv::Mat1w> images;
+  for (const double none : {0.0, 0.1, 0.35, 0.41, 0.6, 0.95}) {
+    images.push_back(noise(size, 0, 0, none, ++seed));
+    images.push_back(noise(size, 2, 20, none, ++seed));
+    images.push_back(noise(size, 63, kDisparityScale, none, ++seed));
+  }
+  return images;
+}
+
+/// A path that turns right wherever it would meet itself, 1 px wide and 1 px from itself.
+cv::Mat1b spiral(cv::Size size) {
+  cv::Mat1b path(size, std::uint8_t{0});
+  const cv::Rect all({0, 0}, size);
+  cv::Point at(0, 0), step(1, 0);
+  const auto blocked = [&](cv::Point to) {
+    const cv::Point beyond = to + step;
+    return !all.contains(to) || path(to) != 0 || (all.contains(beyond) && path(beyond) != 0);
+  };
+  for (int turns = 0; turns < 2;) {
+    path(at) = 1;
+    if (blocked(at + step)) {
+      step = cv::Point(-step.y, step.x);
+      ++turns;
+    } else {
+      at += step;
+      turns = 0;
+    }
+  }
+  return path;
+}
+
+/// Regions that meet late, or not at all, or are inside of one another.
+std::vector<cv::Mat1w> shapes(cv::Size size) {
+  const int w = size.width, h = size.height;
+  std::vector<cv::Mat1w> images = {
+      painted(size, [](int, int) { return kNear; }),
+      painted(size, [](int, int) { return kNone; }),
+      painted(size, [&](int x, int y) { return x == w / 2 && y == h / 2 ? kNear : kNone; }),
+      painted(size, [](int x, int y) { return (x + y) % 2 == 0 ? kNear : kFar; }),
+      painted(size, [](int x, int y) { return (x + y) % 2 == 0 ? kNear : kNone; }),
+      painted(size, [](int x, int) { return x % 2 == 0 ? kNear : kFar; }),  // stripes: as many
+      painted(size, [](int, int y) { return y % 2 == 0 ? kNear : kFar; }),  // labels as pixels
+      painted(size, [](int x, int) { return x % 3 == 0 ? kNear : kNone; }),
+      painted(size, [](int x, int y) { return (x + y) / 2 % 2 == 0 ? kNear : kFar; }),
+      // Combs: teeth that join in the last, in the first or in the 25th row.
+      painted(size, [&](int x, int y) { return x % 2 == 0 || y == h - 1 ? kNear : kNone; }),
+      painted(size, [](int x, int y) { return x % 2 == 0 || y == 0 ? kNear : kFar; }),
+      painted(size, [](int x, int y) { return x % 2 == 0 || y == 24 ? kNear : kNone; }),
+      painted(size, [](int x, int y) { return x % 2 == 0 || y == 25 ? kNear : kNone; }),
+      painted(size, [](int x, int y) { return y % 2 == 0 || x == 0 ? kNear : kNone; }),
+      // Nested U and nested arches, with nothing between them and with nothing but walls.
+      painted(size,
+              [&](int x, int y) {
+                return std::min({x, w - 1 - x, h - 1 - y}) % 2 == 0 ? kNear : kFar;
+              }),
+      painted(size,
+              [&](int x, int y) {
+                return std::min({x, w - 1 - x, y}) % 2 == 0 ? kNear : kFar;
+              }),
+      painted(size,
+              [&](int x, int y) {
+                return std::min({x, w - 1 - x, y}) % 2 == 0 ? kNear : kNone;
+              }),
+      painted(size,
+              [&](int x, int y) {
+                return std::min({x, w - 1 - x, y, h - 1 - y}) % 2 == 0 ? kNear : kFar;
+              }),
+      // Arches whose legs are joined in pairs, one pair a row, from the inner to the outer ones.
+      painted(size,
+              [&](int x, int y) {
+                const int ring = std::min({x, w - 1 - x, y});
+                return ring % 2 == 0 || y == h - 1 - x / 2 ? kNear : kNone;
+              }),
+  };
+  const cv::Mat1b path = spiral(size);
+  for (const auto& [flip_x, flip_y] :
+       {std::pair(false, false), std::pair(true, false), std::pair(false, true)}) {
+    for (const int wall : {kNone, kFar}) {
+      images.push_back(painted(size, [&, flip_x = flip_x, flip_y = flip_y, wall](int x, int y) {
+        return path(flip_y ? h - 1 - y : y, flip_x ? w - 1 - x : x) != 0 ? kNear : wall;
+      }));
+    }
+  }
+  return images;
+}
+
+/// Arches that do not cross, drawn at random, above rows of joined legs at random.
+cv::Mat1w arches(cv::Size size, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto below = [&](int n) { return std::uniform_int_distribution<>(0, n - 1)(random); };
+  const int legs = (size.width + 1) / 2;
+  cv::Mat1w image(size, kNoDisparity);
+  std::vector<int> open, height(legs, 0);
+  const int base = std::min(size.height - 1, 8 + below(8));
+  for (int leg = 0; leg < legs; ++leg) {
+    while (!open.empty() && below(2) != 0) {
+      const int from = open.back();
+      open.pop_back();
+      const int above = *std::max_element(height.begin() + from, height.begin() + leg + 1) + 1;
+      std::fill(height.begin() + from, height.begin() + leg + 1, above);
+      if (base - 2 * above < 0) continue;
+      image(cv::Range(base - 2 * above, base - 2 * above + 1), cv::Range(2 * from, 2 * leg + 1)) =
+          kNear;
+      for (const int x : {2 * from, 2 * leg}) {
+        image(cv::Range(base - 2 * above, base), cv::Range(x, x + 1)) = kNear;
+      }
+    }
+    if (below(4) != 0) open.push_back(leg);
+  }
+  const int joined = below(40);
+  for (int y = base; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      if (below(100) < (x % 2 == 0 ? 92 : joined)) image(y, x) = kNear;
+    }
+  }
+  return image;
+}
+
+template <class Model>
+class RtlSpike : public ::testing::Test {};
+using Models = ::testing::Types<SpikeVga, SpikeSmall>;
+TYPED_TEST_SUITE(RtlSpike, Models);
+
+constexpr int kSizes[] = {1, 2, 10, 100, 400, 1000};
+constexpr int kRanges[] = {0, 1, 31};
+
+TYPED_TEST(RtlSpike, NoiseOfManySizes) {
+  unsigned seed = 0;
+  for (const int width : {16, 17, 33, 64, 100}) {
+    for (const int height : {1, 2, 5, 24, 25, 26, 60}) {
+      if (width * height > 3000) continue;
+      SCOPED_TRACE(::testing::Message() << width << " x " << height);
+      Raster raster;
+      raster.seed = ++seed;
+      raster.bubble_rows = {height < 12 ? 12 : 0};
+      compare<TypeParam>(noises({width, height}, 100 * seed),
+                         speckles(kSizes[seed % 6], kRanges[seed % 3]), raster);
+    }
+  }
+}
+
+TYPED_TEST(RtlSpike, NoiseWithEverySizeAndRange) {
+  for (const int size : {0, 1, 2, 10, 100, 400, 1000}) {
+    for (const int range : kRanges) {
+      compare<TypeParam>(noises({23, 29}, size + range), speckles(size, range), {});
+    }
+  }
+}
+
+TYPED_TEST(RtlSpike, Shapes) {
+  for (const cv::Size size : {cv::Size(16, 31), cv::Size(17, 60), cv::Size(33, 26),
+                              cv::Size(64, 40), cv::Size(100, 60)}) {
+    SCOPED_TRACE(::testing::Message() << size);
+    for (const int pixels : {2, 40, 400}) compare<TypeParam>(shapes(size), speckles(pixels, 1), {});
+  }
+  compare<TypeParam>(shapes({31, 47}), speckles(1000, 31), {});
+  compare<TypeParam>(shapes({18, 3}), speckles(20, 0), {});
+}
+
+TYPED_TEST(RtlSpike, Arches) {
+  for (const int width : {16, 35, 100}) {
+    SCOPED_TRACE(width);
+    for (const int pixels : {30, 200}) {
+      std::vector<cv::Mat1w> images;
+      for (unsigned seed = 0; seed < 30; ++seed) images.push_back(arches({width, 28}, seed));
+      compare<TypeParam>(images, speckles(pixels, 1), {});
+    }
+  }
+}
+
+TYPED_TEST(RtlSpike, StallsAndBubbleRows) {
+  Raster raster;
+  raster.bubble_rows = {2, 1, 0, 3, 40, 0, 24, 25, 26, 0};
+  raster.stalled = 0.4;
+  compare<TypeParam>(noises({19, 28}, 3), speckles(30, 1), raster);
+}
+
+TYPED_TEST(RtlSpike, TinyFramesBackToBack) {
+  for (const int height : {1, 2, 5, 11}) {
+    Raster raster;
+    raster.stalled = 0.1;
+    std::vector<cv::Mat1w> images;
+    for (const int pixels : {3, 16, 40}) {
+      images = shapes({16, height});
+      const std::vector<cv::Mat1w> more = noises({16, height}, height);
+      images.insert(images.end(), more.begin(), more.end());
+      compare<TypeParam>(images, speckles(pixels, 1), raster);
+    }
+  }
+}
+
+TYPED_TEST(RtlSpike, ResetInTheMiddleOfAFrame) {
+  const std::vector<cv::Mat1w> images = {noise({20, 45}, 0, 0, 0.41, 1), arches({20, 45}, 2),
+                                         noise({20, 45}, 1, 100, 0.1, 3)};
+  for (const int after : {7, 20 * 21 + 7, 20 * 44 + 19, 20 * 45, 20 * 60 + 3, 20 * 89 + 11}) {
+    SCOPED_TRACE(after);
+    Raster raster;
+    raster.reset_after_ticks = after;
+    compare<TypeParam>(images, speckles(60, 1), raster);
+  }
+}
+
+TYPED_TEST(RtlSpike, Latency) {
+  for (const int width : {16, 31, 100}) {
+    for (const int pixels : {0, 50}) {
+      EXPECT_EQ(compare<TypeParam>({noise({width, 9}, 1, 100, 0.3, 5)}, speckles(pixels, 1), {})
+                    .latency_ticks,
+                29 * width + 33);
+    }
+  }
+}
+
+// The full width: every pixel of a row a region that lives on, and the stack as deep as it gets.
+template <class Model>
+void full_width(int width) {
+  compare<Model>({painted({width, 30}, [](int x, int) { return x % 2 == 0 ? kNear : kFar; }),
+                  noise({width, 30}, 0, 0, 0.4, 1)},
+                 speckles(27, 1), {});
+  compare<Model>({painted({width, width / 2 + 2},
+                          [&](int x, int y) {
+                            return std::min({x, width - 1 - x, y}) % 2 == 0 ? kNear : kFar;
+                          })},
+                 speckles(1000, 1), {});
+}
+TEST(RtlSpikeFullWidth, Vga) { full_width<SpikeVga>(640); }
+TEST(RtlSpikeFullWidth, Small) { full_width<SpikeSmall>(100); }
+TEST(RtlSpikeFullWidth, Wide) { full_width<SpikeWide>(1280); }
+
+}  // namespace
+}  // namespace fpga_stereo::test
