@@ -15,14 +15,7 @@ class MatchUsage : public ProgramTest {
 
   void expect_refused(const std::vector<std::string>& arguments, int code,
                       const std::vector<std::string>& parts) const {
-    const Outcome run = match(arguments);
-    EXPECT_EQ(run.code, code);
-    EXPECT_EQ(run.out, "");
-    // A line of its own: the libraries that read files may say something, too.
-    EXPECT_NE(("\n" + run.err).find("\nmatch: "), std::string::npos) << run.err;
-    for (const std::string& part : parts) {
-      EXPECT_NE(run.err.find(part), std::string::npos) << "\"" << part << "\" in: " << run.err;
-    }
+    ProgramTest::expect_refused("match", match(arguments), code, parts);
   }
 
   std::string left_, right_;

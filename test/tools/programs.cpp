@@ -10,21 +10,12 @@
 
 #include "support/data.hpp"
 #include "support/files.hpp"
+#include "support/program.hpp"
 #include "support/stereo_info.hpp"
 
 namespace fpga_stereo::tools {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
-
-}  // namespace
 
 ProgramTest::ProgramTest() {
   std::string name = (fs::temp_directory_path() / "fpga_stereo_tools_XXXXXX").string();
@@ -38,9 +29,9 @@ bool ProgramTest::exists(const std::string& name) const { return fs::exists(at(n
 
 Outcome ProgramTest::run(const std::string& program,
                          const std::vector<std::string>& arguments) const {
-  std::string command = quoted(program);
-  for (const std::string& argument : arguments) command += " " + quoted(argument);
-  command += " >" + quoted(at("stdout")) + " 2>" + quoted(at("stderr"));
+  std::string command = shell_quoted(program);
+  for (const std::string& argument : arguments) command += " " + shell_quoted(argument);
+  command += " >" + shell_quoted(at("stdout")) + " 2>" + shell_quoted(at("stderr"));
   const int status = std::system(command.c_str());
   Outcome outcome;
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -52,11 +43,25 @@ Outcome ProgramTest::run(const std::string& program,
 Outcome ProgramTest::match(const std::vector<std::string>& arguments) const {
   return run(FPGA_STEREO_MATCH, arguments);
 }
+Outcome ProgramTest::simulate(const std::vector<std::string>& arguments) const {
+  return run(FPGA_STEREO_SIMULATE, arguments);
+}
 Outcome ProgramTest::evaluate(const std::vector<std::string>& arguments) const {
   return run(FPGA_STEREO_EVALUATE, arguments);
 }
 Outcome ProgramTest::make_bag(const std::vector<std::string>& arguments) const {
   return run(FPGA_STEREO_MAKE_BAG, arguments);
+}
+
+void ProgramTest::expect_refused(const std::string& program, const Outcome& run, int code,
+                                 const std::vector<std::string>& parts) {
+  EXPECT_EQ(run.code, code);
+  EXPECT_EQ(run.out, "");
+  // A line of its own: the libraries that read files may say something, too.
+  EXPECT_NE(("\n" + run.err).find("\n" + program + ": "), std::string::npos) << run.err;
+  for (const std::string& part : parts) {
+    EXPECT_NE(run.err.find(part), std::string::npos) << "\"" << part << "\" in: " << run.err;
+  }
 }
 
 std::string ProgramTest::write(const std::string& name, const cv::Mat& image) const {

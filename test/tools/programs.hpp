@@ -26,8 +26,16 @@ class ProgramTest : public testing::Test {
   bool exists(const std::string& name) const;
 
   Outcome match(const std::vector<std::string>& arguments) const;
+  Outcome simulate(const std::vector<std::string>& arguments) const;
   Outcome evaluate(const std::vector<std::string>& arguments) const;
   Outcome make_bag(const std::vector<std::string>& arguments) const;
+
+  /// Any program.
+  Outcome run(const std::string& program, const std::vector<std::string>& arguments) const;
+
+  /// `program` has refused with this exit code and a message that has all of `parts`.
+  static void expect_refused(const std::string& program, const Outcome& run, int code,
+                             const std::vector<std::string>& parts);
 
   /// Writes an image and gives its path.
   std::string write(const std::string& name, const cv::Mat& image) const;
@@ -37,8 +45,6 @@ class ProgramTest : public testing::Test {
   std::string write_info(const std::string& name, const sensor_msgs::CameraInfo& info) const;
 
  private:
-  Outcome run(const std::string& program, const std::vector<std::string>& arguments) const;
-
   std::string folder_;
 };
 

@@ -7,6 +7,12 @@ namespace fpga_stereo::tools {
 
 namespace po = boost::program_options;
 
+std::string shell_quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
 int run_program(const std::string& name, int argc, char** argv,
                 const std::function<void(const Arguments&)>& body) {
   try {

@@ -36,6 +36,9 @@ void require(const Outcome& outcome, const std::string& prefix = "") {
 
 using Arguments = std::vector<std::string>;
 
+/// The text as one word for a shell.
+std::string shell_quoted(const std::string& text);
+
 /// The body of main(): calls `body` with the arguments but for the program's name and turns
 /// exceptions into "name: message" on stderr and an exit code.
 int run_program(const std::string& name, int argc, char** argv,

@@ -1,0 +1,74 @@
+// Formal: no word of fs_output is ever lost, for any raster whose ticks were decided upon while
+// there was room (input_raster: p_room), any configuration and any ready; and its stream keeps the
+// rules.
+//
+// Wires with the names that u_output's own get in Yosys when it is flattened look into it.
+module output_room (
+  input logic        clk_i,
+  input logic        rst_ni,
+  input logic [11:0] width_i,
+  input logic [11:0] height_i,
+  input logic        stage_rst_ni,
+  input logic        en_i,
+  input logic        valid_i,
+  input logic        sof_i,
+  input logic        sol_i,
+  input logic [15:0] disparity_i,
+  input logic        frame_in_i,
+  input logic        frame_bad_i,
+  input logic        buffer_sof_i,
+  input logic        buffer_error_i,
+  input logic        ready_i,
+  output logic [2:0] reached_o
+);
+  logic room_o, frame_out_o, buffer_frame_o, valid_o, sof_o, eol_o, eof_o, bad_o;
+  logic [15:0] disparity_o;
+  fs_output #(.MaxFrames(4)) u_output (
+    .clk_i, .rst_ni, .width_i, .height_i, .stage_rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .disparity_i, .room_o, .frame_out_o, .frame_in_i, .frame_bad_i, .buffer_sof_i, .buffer_error_i,
+    .buffer_frame_o, .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
+  );
+  (* hierconn *) wire \u_output.push_q , \u_output.unused_ready ;
+  (* hierconn *) wire [4:0] \u_output.count ;
+  (* hierconn *) wire [19:0] \u_output.word_q ;
+
+  // It starts with a reset; more of them may come.
+  logic started_q = 1'b0;
+  always_ff @(posedge clk_i) started_q <= 1'b1;
+  always_comb assume (started_q | ~rst_ni);
+
+  // A tick in this clock was decided upon in the clock before.
+  logic room_q, held_q;
+  logic [19:0] held_word_q;
+  always_comb assume (~(en_i & stage_rst_ni) | room_q);
+  always_ff @(posedge clk_i) begin
+    room_q <= rst_ni & room_o;
+    held_q <= rst_ni & valid_o & ~ready_i;
+    held_word_q <= {bad_o, eof_o, eol_o, sof_o, disparity_o};
+  end
+
+  always_comb if (started_q & \u_output.push_q ) p_no_word_lost: assert (\u_output.unused_ready );
+  always_comb if (started_q & held_q) begin
+    p_valid_stays: assert (valid_o);
+    p_payload_stays: assert ({bad_o, eof_o, eol_o, sof_o, disparity_o} == held_word_q);
+  end
+  always_comb if (started_q)
+    p_frame_out: assert (frame_out_o == (\u_output.push_q & \u_output.word_q [18]));
+  always_comb if (started_q & \u_output.push_q ) begin
+    p_eof_ends_a_line: assert (~\u_output.word_q [18] | \u_output.word_q [17]);
+    p_bad_with_eof_only: assert (~\u_output.word_q [19] | \u_output.word_q [18]);
+  end
+
+  // What induction needs: the words that are on their way have room.
+  always_comb if (started_q) i_count: assert (\u_output.count <= 5'd16);
+  logic [4:0] words;
+  assign words = \u_output.count + 5'(\u_output.push_q );
+  always_comb if (started_q)
+    i_on_the_way: assert (words <= (room_o ? 5'd14 : room_q ? 5'd15 : 5'd16));
+
+  // That all this can happen at all.
+  always_ff @(posedge clk_i) begin
+    if (~rst_ni) reached_o <= '0;
+    else reached_o <= reached_o | {\u_output.count > 5'd14, frame_out_o, ~room_o & room_q};
+  end
+endmodule

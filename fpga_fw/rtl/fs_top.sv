@@ -1,0 +1,217 @@
+// The stereo pipeline: pairs of raw pixels in, disparities out, one of each per clock.
+//
+//   fs_input -> rectify -> census -> match -> select -> check -> subpixel -> spike -> fs_output
+//
+// C++ twin  Pipeline in src/core/pipeline.cpp; include/fpga_stereo/core/stages.hpp
+// Schedule  fs_input makes ticks (en) of the pixels that come. Between the stages runs the raster:
+//           every tick is the next place of a row of width ticks, rows follow each other without a
+//           gap, and three tags go with the data:
+//             valid  the row is one of a frame (else a bubble row, which only moves frames on)
+//             sof    first pixel of a frame
+//             sol    first tick of a row, of bubble rows too
+//           Each stage hands on the same raster, later by its latency. Nothing else stalls, and no
+//           stage knows of blanking.
+// Latency   rectify: T_s pixels; census Reach, match CorrelationWindow / 2, spike its look-ahead and
+//           a few more rows; see fpga_fw/README.md.
+// Handshake streams with valid and ready at both ends (fs_stream_fifo); registers on a plain bus
+//           (fs_registers); a configuration takes effect between two frames, when CONTROL.apply
+//           has been written.
+// Limits    see the stages.
+module fs_top #(
+  parameter int MaxWidth = 640,
+  parameter int Disparities = 64,
+  parameter int CensusWindow = 11,
+  parameter int CorrelationWindow = 15,
+  parameter int CensusFull = 0,
+  parameter int LineRows = 102,    // of the line buffer
+  parameter int MeshNodes = 5120,  // of a mesh
+  parameter int Primitives = 0,    // 0: behavioural arithmetic, 1: carry chains of the ECP5
+  localparam int Reach = CensusFull != 0 ? CensusWindow / 2 : CensusWindow / 4 * 2,
+  localparam int Side = CensusFull != 0 ? CensusWindow : Reach + 1,
+  localparam int CensusBits = Side * Side - 1,
+  localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1),
+  localparam int DBits = $clog2(Disparities)
+) (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  // Registers.
+  input  logic        write_i,
+  input  logic        read_i,
+  input  logic [7:0]  address_i,
+  input  logic [31:0] data_i,
+  output logic        read_valid_o,
+  output logic [31:0] data_o,
+  // Raw pixels.
+  input  logic        valid_i,
+  output logic        ready_o,
+  input  logic        sof_i,
+  input  logic        eol_i,
+  input  logic [7:0]  left_i,
+  input  logic [7:0]  right_i,
+  // Disparities.
+  output logic        valid_o,
+  input  logic        ready_i,
+  output logic        sof_o,
+  output logic        eol_o,
+  output logic        eof_o,
+  output logic        bad_o,
+  output logic [15:0] disparity_o
+);
+  // Registers and the configuration in effect.
+  logic [11:0] width, height, read_pixels;
+  logic [7:0] read_rows, disp12_max_diff;
+  logic [9:0] uniqueness, speckle_size, speckle_range;
+  logic left_right_check, uniqueness_check, subpixel;
+  logic mesh_we, mesh_right, mesh_bank;
+  logic [$clog2(MeshNodes)-1:0] mesh_node;
+  logic [31:0] mesh_data;
+  logic pending, apply, busy, frame_in, frame_out, frame_bad, cut_frame, long_frame;
+  logic buffer_frame, left_error, right_error;
+  logic [32*fs_pkg::NumStages-1:0] signatures;
+  fs_registers #(
+    .MaxWidth(MaxWidth), .Disparities(Disparities), .CensusWindow(CensusWindow),
+    .CorrelationWindow(CorrelationWindow), .CensusFull(CensusFull), .LineRows(LineRows),
+    .MeshNodes(MeshNodes)
+  ) u_registers (
+    .clk_i, .rst_ni, .write_i, .read_i, .address_i, .data_i, .read_valid_o, .data_o,
+    .width_o(width), .height_o(height), .read_pixels_o(read_pixels), .read_rows_o(read_rows),
+    .left_right_check_o(left_right_check), .uniqueness_check_o(uniqueness_check),
+    .subpixel_o(subpixel), .disp12_max_diff_o(disp12_max_diff), .uniqueness_o(uniqueness),
+    .speckle_size_o(speckle_size), .speckle_range_o(speckle_range),
+    .pending_o(pending), .apply_i(apply),
+    .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
+    .mesh_data_o(mesh_data), .bank_o(mesh_bank),
+    .busy_i(busy), .frame_in_i(frame_in), .frame_out_i(frame_out), .cut_frame_i(cut_frame),
+    .long_frame_i(long_frame), .buffer_left_i(left_error & en), .buffer_right_i(right_error & en),
+    .buffer_frame_i(buffer_frame), .signatures_i(signatures)
+  );
+
+  // The stream becomes the raster.
+  logic en, stage_rst_n, room;
+  logic raw_valid, raw_sof, raw_sol;
+  logic [7:0] raw_left, raw_right;
+  fs_input #(.MinRows(CorrelationWindow / 2 + 1)) u_input (
+    .clk_i, .rst_ni, .width_i(width), .height_i(height),
+    .valid_i, .ready_o, .sof_i, .eol_i, .left_i, .right_i,
+    .stage_rst_no(stage_rst_n), .en_o(en),
+    .valid_o(raw_valid), .sof_o(raw_sof), .sol_o(raw_sol), .left_o(raw_left), .right_o(raw_right),
+    .room_i(room), .frame_out_i(frame_out), .frame_in_o(frame_in), .frame_bad_o(frame_bad),
+    .apply_i(pending), .apply_o(apply), .busy_o(busy),
+    .cut_frame_o(cut_frame), .long_frame_o(long_frame)
+  );
+
+  logic rectify_valid, rectify_sof, rectify_sol, buffer_left, buffer_right;
+  logic [7:0] left, right;
+  fs_rectify #(
+    .MaxWidth(MaxWidth), .LineRows(LineRows), .MeshNodes(MeshNodes)
+  ) u_rectify (
+    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .read_rows_i(read_rows), .read_pixels_i(read_pixels),
+    .mesh_bank_i(mesh_bank), .mesh_we_i(mesh_we), .mesh_right_i(mesh_right),
+    .mesh_node_i(16'(mesh_node)), .mesh_data_i(mesh_data),
+    .valid_i(raw_valid), .sof_i(raw_sof), .sol_i(raw_sol), .left_i(raw_left), .right_i(raw_right),
+    .valid_o(rectify_valid), .sof_o(rectify_sof), .sol_o(rectify_sol),
+    .left_o(left), .right_o(right), .left_error_o(buffer_left), .right_error_o(buffer_right)
+  );
+  assign left_error = buffer_left & rectify_valid;
+  assign right_error = buffer_right & rectify_valid;
+
+  logic census_valid, census_sof, census_sol;
+  logic [CensusBits-1:0] enter_left, enter_right, leave_left, leave_right;
+  fs_census #(
+    .MaxWidth(MaxWidth), .CensusWindow(CensusWindow), .CorrelationWindow(CorrelationWindow),
+    .Full(CensusFull)
+  ) u_census (
+    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .valid_i(rectify_valid), .sof_i(rectify_sof), .sol_i(rectify_sol),
+    .left_i(left), .right_i(right),
+    .valid_o(census_valid), .sof_o(census_sof), .sol_o(census_sol),
+    .enter_left_o(enter_left), .enter_right_o(enter_right),
+    .leave_left_o(leave_left), .leave_right_o(leave_right)
+  );
+
+  logic match_valid, match_sof, match_sol;
+  logic [Disparities*SumBits-1:0] sums;
+  fs_match #(
+    .MaxWidth(MaxWidth), .Disparities(Disparities), .CensusBits(CensusBits),
+    .CorrelationWindow(CorrelationWindow), .Primitives(Primitives)
+  ) u_match (
+    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .valid_i(census_valid), .sof_i(census_sof), .sol_i(census_sol),
+    .enter_left_i(enter_left), .enter_right_i(enter_right),
+    .leave_left_i(leave_left), .leave_right_i(leave_right),
+    .valid_o(match_valid), .sof_o(match_sof), .sol_o(match_sol), .sums_o(sums)
+  );
+
+  logic select_valid, select_sof, select_sol;
+  logic [DBits-1:0] winner, right_winner;
+  logic [SumBits-1:0] winner_sum, rival_sum;
+  logic [5*SumBits-1:0] around;
+  fs_select #(.Disparities(Disparities), .SumBits(SumBits)) u_select (
+    .clk_i, .rst_ni(stage_rst_n), .en_i(en),
+    .valid_i(match_valid), .sof_i(match_sof), .sol_i(match_sol), .sums_i(sums),
+    .valid_o(select_valid), .sof_o(select_sof), .sol_o(select_sol),
+    .winner_o(winner), .right_winner_o(right_winner), .winner_sum_o(winner_sum),
+    .rival_sum_o(rival_sum), .around_o(around)
+  );
+
+  logic check_valid, check_sof, check_sol, kept;
+  logic [DBits-1:0] check_winner;
+  logic [5*SumBits-1:0] check_around;
+  fs_check #(.Disparities(Disparities), .SumBits(SumBits)) u_check (
+    .clk_i, .rst_ni(stage_rst_n), .en_i(en),
+    .left_right_check_i(left_right_check), .uniqueness_check_i(uniqueness_check),
+    .disp12_max_diff_i(disp12_max_diff), .uniqueness_i(uniqueness),
+    .valid_i(select_valid), .sof_i(select_sof), .sol_i(select_sol),
+    .winner_i(winner), .right_winner_i(right_winner), .winner_sum_i(winner_sum),
+    .rival_sum_i(rival_sum), .around_i(around),
+    .valid_o(check_valid), .sof_o(check_sof), .sol_o(check_sol),
+    .kept_o(kept), .winner_o(check_winner), .around_o(check_around)
+  );
+
+  logic subpixel_valid, subpixel_sof, subpixel_sol;
+  logic [15:0] refined;
+  fs_subpixel #(.Disparities(Disparities), .SumBits(SumBits)) u_subpixel (
+    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .subpixel_i(subpixel),
+    .valid_i(check_valid), .sof_i(check_sof), .sol_i(check_sol),
+    .kept_i(kept), .winner_i(check_winner), .around_i(check_around),
+    .valid_o(subpixel_valid), .sof_o(subpixel_sof), .sol_o(subpixel_sol),
+    .disparity_o(refined)
+  );
+
+  logic spike_valid, spike_sof, spike_sol;
+  logic [15:0] disparity;
+  fs_spike #(
+    .MaxWidth(MaxWidth), .DisparityBits($clog2(Disparities * fs_pkg::DisparityScale))
+  ) u_spike (
+    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .speckle_size_i(speckle_size), .speckle_range_i(speckle_range),
+    .valid_i(subpixel_valid), .sof_i(subpixel_sof), .sol_i(subpixel_sol), .disparity_i(refined),
+    .valid_o(spike_valid), .sof_o(spike_sof), .sol_o(spike_sol), .disparity_o(disparity)
+  );
+
+  // The raster becomes the stream.
+  fs_output u_output (
+    .clk_i, .rst_ni, .width_i(width), .height_i(height),
+    .stage_rst_ni(stage_rst_n), .en_i(en),
+    .valid_i(spike_valid), .sof_i(spike_sof), .sol_i(spike_sol), .disparity_i(disparity),
+    .room_o(room), .frame_out_o(frame_out), .frame_in_i(frame_in), .frame_bad_i(frame_bad),
+    .buffer_sof_i(rectify_sof), .buffer_error_i(left_error | right_error),
+    .buffer_frame_o(buffer_frame),
+    .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
+  );
+
+  // What each stage gave, in a number.
+  fs_signatures #(
+    .Disparities(Disparities), .CensusBits(CensusBits), .SumBits(SumBits)
+  ) u_signatures (
+    .clk_i, .rst_ni, .stage_rst_ni(stage_rst_n), .en_i(en), .busy_i(busy),
+    .valid_i({spike_valid, subpixel_valid, check_valid, select_valid, match_valid, census_valid,
+              rectify_valid}),
+    .sof_i({spike_sof, subpixel_sof, check_sof, select_sof, match_sof, census_sof, rectify_sof}),
+    .left_i(left), .right_i(right), .census_left_i(enter_left), .census_right_i(enter_right),
+    .sums_i(sums), .winner_i(winner), .right_winner_i(right_winner), .winner_sum_i(winner_sum),
+    .rival_sum_i(rival_sum), .around_i(around), .kept_i(kept), .refined_i(refined),
+    .disparity_i(disparity), .signatures_o(signatures)
+  );
+endmodule

@@ -1,0 +1,114 @@
+#include "sim/configuration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "fpga_stereo/core/spec.hpp"
+
+namespace fpga_stereo::sim {
+namespace {
+
+template <class... Parts>
+Error refusal(ErrorKind kind, const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  return {kind, text.str()};
+}
+
+template <class Value>
+Status check_same(const char* name, const Value& wanted, const Value& built) {
+  if (wanted == built) return {};
+  return refusal(ErrorKind::kInvalid, name, " = ", wanted, ": this gateware is built for ", built,
+                 " only");
+}
+
+Status check_range(const char* name, int value, int min, int max) {
+  if (value >= min && value <= max) return {};
+  return refusal(ErrorKind::kImageSize, name, " = ", value, ": this gateware allows ", min, " to ",
+                 max);
+}
+
+/// What a camera needs of the line buffer of a gateware if reading starts at `start`.
+BufferNeed gateware_need(const CameraRectification& camera, std::int64_t start) {
+  BufferNeed need = camera.buffer;
+  const int width = camera.mesh.size.width;
+  // What is read later is kept longer, and the row that is being written holds pixels of two rows
+  // of the image.
+  need.rows += static_cast<int>((start - need.read_start + width - 1) / width) + 1;
+  need.rows_below = std::max(need.rows_below, static_cast<int>((start - 1) / width));
+  return need;
+}
+
+void write_mesh(const Mesh& mesh, bool right, std::vector<RegisterWrite>& writes) {
+  writes.push_back({spec::kRegMeshAddress, spec::kMeshAddressCamera.put(right ? 1 : 0)});
+  for (const cv::Vec2s& node : mesh.nodes) {
+    writes.push_back(
+        {spec::kRegMeshData, spec::kMeshDataDx.put(static_cast<std::uint16_t>(node[0])) |
+                                 spec::kMeshDataDy.put(static_cast<std::uint16_t>(node[1]))});
+  }
+}
+
+}  // namespace
+
+int Build::min_width() const { return std::max(kGatewareMinWidth, correlation_window + 1); }
+
+std::int64_t read_start(const StereoRectification& rectification) {
+  constexpr int kBilinear = 2;  // px right of where the lower pair of taps begins
+  return std::max({rectification.left.buffer.read_start, rectification.right.buffer.read_start,
+                   std::int64_t{rectification.geometry.image_size.width} + kBilinear});
+}
+
+int line_rows(const StereoRectification& r) {
+  const std::int64_t start = read_start(r);
+  return std::max(gateware_need(r.left, start).rows, gateware_need(r.right, start).rows);
+}
+
+Status check_build(const Build& build, const Parameters& p, const StereoRectification& r) {
+  const cv::Size size = r.geometry.image_size;
+  const cv::Size nodes = Mesh::node_count(size);
+  const std::int64_t start = read_start(r);
+  const Status checks[]{
+      check_same("disparity_range", p.disparity_range, build.disparities),
+      check_same("census_window_size", p.census_window_size, build.census_window),
+      check_same("census_pattern", to_text(p.census_pattern), to_text(build.census_pattern)),
+      check_same("correlation_window_size", p.correlation_window_size, build.correlation_window),
+      check_range("image width", size.width, build.min_width(), build.max_width),
+      check_range("image height", size.height, 1, kGatewareMaxHeight),
+      check_range("nodes of a mesh", nodes.area(), 1, build.mesh_nodes),
+      check_buffer(gateware_need(r.left, start), build.line_rows, "left"),
+      check_buffer(gateware_need(r.right, start), build.line_rows, "right"),
+  };
+  for (const Status& status : checks) {
+    if (!status) return status;
+  }
+  return {};
+}
+
+Result<std::vector<RegisterWrite>> configuration(const Build& build, const Parameters& p,
+                                                 const StereoRectification& r) {
+  if (const Status status = check_build(build, p, r); !status) return status.error();
+  const cv::Size size = r.geometry.image_size;
+  const auto start = static_cast<std::uint32_t>(read_start(r));
+  const auto width = static_cast<std::uint32_t>(size.width);
+  const auto uniqueness = std::lround(kUniquenessScale * (1 + p.uniqueness_ratio / 100));
+  std::vector<RegisterWrite> writes{
+      {spec::kRegWidth, spec::kWidthPixels.put(width)},
+      {spec::kRegHeight, spec::kHeightRows.put(size.height)},
+      {spec::kRegReadStart,
+       spec::kReadStartPixels.put(start % width) | spec::kReadStartRows.put(start / width)},
+      {spec::kRegFlags, spec::kFlagsLeftRightCheck.put(p.left_right_check) |
+                            spec::kFlagsUniquenessCheck.put(p.uniqueness_check) |
+                            spec::kFlagsSubpixel.put(p.subpixel)},
+      {spec::kRegDisp12MaxDiff, spec::kDisp12MaxDiffPixels.put(p.disp12MaxDiff)},
+      {spec::kRegUniqueness, spec::kUniquenessFactor.put(static_cast<std::uint32_t>(uniqueness))},
+      {spec::kRegSpeckleSize, spec::kSpeckleSizePixels.put(p.speckle_size)},
+      {spec::kRegSpeckleRange, spec::kSpeckleRangeUnits.put(p.speckle_range * kDisparityScale)},
+  };
+  write_mesh(r.left.mesh, false, writes);
+  write_mesh(r.right.mesh, true, writes);
+  writes.push_back({spec::kRegControl, spec::kControlApply.put(1)});
+  return writes;
+}
+
+}  // namespace fpga_stereo::sim

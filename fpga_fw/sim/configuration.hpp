@@ -1,0 +1,48 @@
+// From the pipeline's parameters and meshes to the registers of a gateware, whoever carries them
+// there. fpga_fw/spec/registers.md has the registers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fpga_stereo/core/calibration.hpp"
+#include "fpga_stereo/core/parameters.hpp"
+
+namespace fpga_stereo::sim {
+
+/// What a gateware was built for: its registers BUILD, BUILD_LINE_ROWS, BUILD_MESH_NODES.
+struct Build {
+  int max_width = 0;           // px
+  int disparities = 0;         // disparity_range
+  int census_window = 0;       // px
+  int correlation_window = 0;  // px
+  CensusPattern census_pattern = CensusPattern::kSparse;
+  int line_rows = 0;   // of the line buffer
+  int mesh_nodes = 0;  // of a mesh
+
+  /// The narrowest image, px.
+  int min_width() const;
+};
+
+struct RegisterWrite {
+  std::uint32_t address;  // of the word
+  std::uint32_t value;
+};
+
+/// T_s for both cameras: what their meshes need, and at least a row and two pixels, with which a
+/// mesh that moves nothing works, too.
+std::int64_t read_start(const StereoRectification& rectification);
+
+/// Rows that the line buffer of a gateware must have for both cameras.
+int line_rows(const StereoRectification& rectification);
+
+/// Refuses what a gateware of this build cannot do, by name, value and what is allowed.
+Status check_build(const Build& build, const Parameters& parameters,
+                   const StereoRectification& rectification);
+
+/// Everything that configures a gateware: the shadow, both meshes, and last CONTROL.apply. What
+/// check_build() refuses is refused.
+Result<std::vector<RegisterWrite>> configuration(const Build& build, const Parameters& parameters,
+                                                 const StereoRectification& rectification);
+
+}  // namespace fpga_stereo::sim

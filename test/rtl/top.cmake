@@ -1,0 +1,48 @@
+# The whole gateware. Its models are shared objects that build_model makes; they are built with the
+# tests.
+set(sim ${PROJECT_SOURCE_DIR}/fpga_fw/sim)
+set(models ${PROJECT_BINARY_DIR}/models)
+file(GLOB model_sources ${rtl}/*.sv ${sim}/model* ${sim}/build_model)
+
+# fpga_stereo_model(TARGET MAX_WIDTH ... MESH_NODES [--trace]), the arguments of build_model
+function(fpga_stereo_model target)
+  string(REPLACE ";" "_" name "fs_top_${ARGN}")
+  string(REPLACE "--" "" name ${name})
+  add_custom_command(
+    OUTPUT ${models}/${name}.so
+    COMMAND ${sim}/build_model ${ARGN} ${models}
+    DEPENDS ${model_sources}
+    COMMENT "Building the simulated gateware ${name}"
+  )
+  add_custom_target(${target} DEPENDS ${models}/${name}.so)
+endfunction()
+
+fpga_stereo_model(rtl_model_sparse 640 16 11 15 0 102 5120)
+fpga_stereo_model(rtl_model_trace 640 16 5 5 0 102 5120 --trace)
+fpga_stereo_model(rtl_model_full 640 20 11 15 1 102 5120)
+fpga_stereo_model(rtl_model_other 752 32 7 9 0 104 6144)
+
+# fpga_stereo_top_test(TARGET TIMEOUT SOURCE MODELS...)
+function(fpga_stereo_top_test target timeout source)
+  catkin_add_gtest(${target} ${source} ../support/gtest_main.cpp)
+  if(TARGET ${target})
+    fpga_stereo_target(${target})
+    target_compile_definitions(${target} PRIVATE FPGA_STEREO_MODELS="${models}")
+    target_link_libraries(${target} fpga_stereo_simulation fpga_stereo_test_support)
+    if(ARGN)
+      add_dependencies(${target} ${ARGN})
+    endif()
+    set_tests_properties(_ctest_${PROJECT_NAME}_gtest_${target} PROPERTIES TIMEOUT ${timeout})
+  endif()
+endfunction()
+
+fpga_stereo_top_test(rtl_top_test 300 top_test.cpp
+  rtl_model_sparse rtl_model_full rtl_model_other)
+
+# VGA, 64 disparities: a long test, which builds its model as it runs.
+fpga_stereo_top_test(rtl_vga 600 top_vga_test.cpp)
+add_test(NAME rtl_vga_model COMMAND ${sim}/build_model 640 64 11 15 0 102 5120 ${models})
+set_tests_properties(rtl_vga_model PROPERTIES
+  LABELS long TIMEOUT 1200 FIXTURES_SETUP rtl_vga_model)
+set_tests_properties(_ctest_${PROJECT_NAME}_gtest_rtl_vga PROPERTIES
+  LABELS long FIXTURES_REQUIRED rtl_vga_model)

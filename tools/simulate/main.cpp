@@ -1,0 +1,134 @@
+// simulate LEFT RIGHT OUT: the same as match, computed by the simulated gateware.
+#include <chrono>
+#include <iomanip>
+#include <iostream>
+
+#include "sim/gateware.hpp"
+#include "simulate/models.hpp"
+#include "support/files.hpp"
+#include "support/parameter_options.hpp"
+#include "support/program.hpp"
+#include "support/stereo_job.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace po = boost::program_options;
+
+CommandLine command_line() {
+  CommandLine line = job_command_line(
+      "simulate",
+      "Computes the disparity of a stereo pair as match does, but in the simulated gateware,\n"
+      "clock by clock. The gateware is built for the parameters at their first use, which takes\n"
+      "a minute or two and needs verilator; it is kept in the folder --models.\n");
+  line.options.add_options()("vcd", po::value<std::string>()->value_name("FILE"),
+                             "write every signal of the gateware, for gtkwave; much data");
+  line.options.add_options()("cycles", po::bool_switch(),
+                             "send the pair three times and print latency, clocks per frame, speed "
+                             "and what of the build is used");
+  line.options.add_options()("models", po::value<std::string>()->value_name("DIR"),
+                             "folder of built gateware [default ~/.cache/fpga_stereo, or in "
+                             "XDG_CACHE_HOME]");
+  line.options.add_options()(
+      "line-rows", po::value<int>()->value_name("N"),
+      concat("rows of the line buffer of rectify [4 to 254 in steps of 2; default ",
+             default_line_rows(0), ", wider than 640 px ", default_line_rows(kGatewareMaxWidth),
+             "]")
+          .c_str());
+  add_threads_option(line.options);
+  line.options.add_options()("verbose", po::bool_switch(),
+                             "print what rectification needs, on stderr");
+  line.options.add(parameter_options());
+  return line;
+}
+
+int line_rows(const po::variables_map& options) {
+  if (options.count("line-rows") == 0) return 0;
+  const int rows = options["line-rows"].as<int>();
+  if (rows < 4 || rows > 254 || rows % 2 != 0) {
+    throw UsageError(concat("--line-rows = ", rows, ": allowed 4 to 254 in steps of 2"));
+  }
+  return rows;
+}
+
+struct Run {
+  std::vector<sim::Frame> frames;
+  double clocks_per_second = 0;
+};
+
+Run run(sim::Gateware& gateware, const StereoJob& job, int copies) {
+  const std::vector<sim::RawPair> frames(copies, {job.left, job.right});
+  const std::int64_t clocks = gateware.clocks();
+  const auto start = std::chrono::steady_clock::now();
+  const auto made = gateware.process(frames);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  require(made);
+  for (const sim::Frame& frame : *made) {
+    if (frame.bad) {
+      throw std::runtime_error(concat("the gateware says that its result is not to be used: ",
+                                      "register ERRORS is ", gateware.read(spec::kRegErrors)));
+    }
+  }
+  return {*made, static_cast<double>(gateware.clocks() - clocks) / time.count()};
+}
+
+void print_cycles(const Run& run, const sim::Build& build, const StereoJob& job) {
+  const cv::Size size = job.left.size();
+  const sim::Frame& first = run.frames.front();
+  const std::int64_t latency = first.first_out - first.first_in;
+  const std::int64_t period = run.frames[2].first_out - run.frames[1].first_out;
+  const std::int64_t start = sim::read_start(job.rectification);
+  const auto line = [](const char* name) -> std::ostream& {
+    return std::cout << std::left << std::setw(18) << name << std::right;
+  };
+  std::cout << std::fixed << std::setprecision(2);
+  line("latency") << latency << " clocks = " << static_cast<double>(latency) / size.width
+                  << " lines, first pixel in to first disparity out; " << start
+                  << " of them for rectify's read start\n";
+  line("clocks per frame") << period << ", for " << size.area() << " pixels\n";
+  line("simulated") << std::setprecision(0) << run.clocks_per_second << " clocks per second\n";
+  line("build") << "width " << build.max_width << ", " << build.disparities << " disparities, "
+                << to_text(build.census_pattern) << " census " << build.census_window
+                << ", correlation " << build.correlation_window << "\n";
+  const auto kbit = [](int bits) { return concat(bits / 1024, " kbit"); };
+  constexpr int kCameras = 2, kBanks = 2, kCoordinates = 2;
+  line("line buffer") << sim::line_rows(job.rectification) << " of " << build.line_rows
+                      << " rows needed; "
+                      << kbit(kCameras * build.line_rows * build.max_width * kPixelBits) << "\n";
+  line("mesh") << Mesh::node_count(size).area() << " of " << build.mesh_nodes << " nodes needed; "
+               << kbit(kCameras * kBanks * build.mesh_nodes * kCoordinates * kMeshBits) << "\n";
+}
+
+void simulate(const Arguments& arguments) {
+  const auto parsed = parse(command_line(), arguments);
+  if (!parsed) return;
+  const po::variables_map& options = parsed->options;
+  const int num_threads = threads(options);
+  const int rows = line_rows(options);
+  const bool cycles = options["cycles"].as<bool>();
+  const std::string vcd = options.count("vcd") != 0 ? options["vcd"].as<std::string>() : "";
+  const std::string folder =
+      options.count("models") != 0 ? options["models"].as<std::string>() : default_models_folder();
+  const StereoJob job = read_job(*parsed);
+  if (options["verbose"].as<bool>()) print_rectification(job.rectification);
+
+  const sim::Build build = smallest_build(job, rows);
+  require(sim::check_build(build, job.parameters, job.rectification));
+  create_folder(folder);
+  auto opened = sim::Gateware::open(model(build, !vcd.empty(), folder, num_threads));
+  require(opened);
+  sim::Gateware gateware = std::move(*opened);
+  if (!vcd.empty()) require(gateware.open_trace(vcd));
+  require(gateware.configure(job.parameters, job.rectification));
+  constexpr int kCopies = 3;  // until frames follow each other as they always will
+  const Run made = run(gateware, job, cycles ? kCopies : 1);
+  write_result(job, made.frames.front().disparity);
+  if (cycles) print_cycles(made, gateware.build(), job);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::tools
+
+int main(int argc, char** argv) {
+  return fpga_stereo::tools::run_program("simulate", argc, argv, fpga_stereo::tools::simulate);
+}

@@ -1,0 +1,82 @@
+#include "simulate/models.hpp"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Image sizes that gateware is built for: its width is the largest, its height sets the memory for
+/// meshes.
+const std::array<cv::Size, 3> kSizes{{{640, 480}, {752, 480}, {kGatewareMaxWidth, 720}}};
+
+/// Where the package is installed it lies beside the programs, else in the source tree.
+std::string build_model_path() {
+  const fs::path prefix =
+      fs::read_symlink("/proc/self/exe").parent_path().parent_path().parent_path();
+  const fs::path installed = prefix / "share/fpga_stereo/fpga_fw/sim/build_model";
+  const fs::path source = fs::path(FPGA_STEREO_SIM_DIR) / "build_model";
+  for (const fs::path& path : {installed, source}) {
+    if (fs::exists(path)) return path.string();
+  }
+  throw std::runtime_error(concat("build_model is neither ", installed, " nor ", source));
+}
+
+}  // namespace
+
+int default_line_rows(int max_width) { return max_width > kSizes.front().width ? 104 : 102; }
+
+sim::Build smallest_build(const StereoJob& job, int line_rows) {
+  constexpr int kNodesStep = 1024;  // as many lie in a block RAM
+  const cv::Size size = job.rectification.geometry.image_size;
+  const auto fits = [&](cv::Size built) { return size.width <= built.width; };
+  const auto found = std::find_if(kSizes.begin(), kSizes.end(), fits);
+  const cv::Size built = found != kSizes.end() ? *found : kSizes.back();
+  const int nodes = std::max(Mesh::node_count(size).area(), Mesh::node_count(built).area());
+  sim::Build build;
+  build.max_width = built.width;
+  build.disparities = job.parameters.disparity_range;
+  build.census_window = job.parameters.census_window_size;
+  build.correlation_window = job.parameters.correlation_window_size;
+  build.census_pattern = job.parameters.census_pattern;
+  build.line_rows = line_rows != 0 ? line_rows : default_line_rows(build.max_width);
+  build.mesh_nodes = (nodes + kNodesStep - 1) / kNodesStep * kNodesStep;
+  return build;
+}
+
+std::string default_models_folder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') return concat(cache, "/fpga_stereo");
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return concat(home, "/.cache/fpga_stereo");
+  throw UsageError("--models is missing, and neither XDG_CACHE_HOME nor HOME is set");
+}
+
+std::string model(const sim::Build& build, bool trace, const std::string& folder, int jobs) {
+  const int full = build.census_pattern == CensusPattern::kFull ? 1 : 0;
+  const std::string command =
+      concat(shell_quoted(build_model_path()), " ", build.max_width, " ", build.disparities, " ",
+             build.census_window, " ", build.correlation_window, " ", full, " ", build.line_rows,
+             " ", build.mesh_nodes, trace ? " --trace" : "", " --jobs ", jobs, " ",
+             shell_quoted(fs::absolute(folder).string()));
+  FILE* output = popen(command.c_str(), "r");
+  if (output == nullptr) throw std::runtime_error(command + ": cannot be run");
+  std::string path;
+  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) {
+    if (c != '\n') path += static_cast<char>(c);
+  }
+  const int status = pclose(output);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw std::runtime_error(concat(folder, ": the simulated gateware cannot be built there"));
+  }
+  return path;
+}
+
+}  // namespace fpga_stereo::tools
