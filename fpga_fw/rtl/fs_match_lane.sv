@@ -64,7 +64,8 @@ module fs_match_lane #(
     .select_i(centre_row0_i), .sum_o(column)
   );
   fs_add_select #(.Bits(FreshBits), .Primitives(Primitives)) u_fresh (
-    .a_i(FreshBits'(enter_q)), .b_i(fresh_old_i), .c_i('0), .select_i(!fresh_row0_i), .sum_o(fresh)
+    .a_i(FreshBits'(enter_q)), .b_i(fresh_old_i), .c_i(FreshBits'(0)),
+    .select_i(!fresh_row0_i), .sum_o(fresh)
   );
 
   // The running sum's complement, n = -1 - sum: so sum(high) - sum(low) = n(low) - n(high).

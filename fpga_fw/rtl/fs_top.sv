@@ -57,6 +57,8 @@ module fs_top #(
   output logic        bad_o,
   output logic [15:0] disparity_o
 );
+  logic en, stage_rst_n, room;  // a tick; the stages run; there is room behind them
+
   // Registers and the configuration in effect.
   logic [11:0] width, height, read_pixels;
   logic [7:0] read_rows, disp12_max_diff;
@@ -87,7 +89,6 @@ module fs_top #(
   );
 
   // The stream becomes the raster.
-  logic en, stage_rst_n, room;
   logic raw_valid, raw_sof, raw_sol;
   logic [7:0] raw_left, raw_right;
   fs_input #(.MinRows(CorrelationWindow / 2 + 1)) u_input (
