@@ -40,8 +40,10 @@ module fs_select_right #(
   assign winner[0+:DBits] = '0;
 
   for (genvar d = 1; d < Disparities; d++) begin : g_lane
+    // No more bits than d needs: synthesis finds the others to be 0 only lane by lane, for minutes.
+    localparam int LaneBits = $clog2(d + 1);
     logic less, better;
-    logic [DBits-1:0] winner_q;
+    logic [LaneBits-1:0] winner_q;
     fs_select_less #(.Bits(SumBits)) u_less (
       .a_i(sums_i[d*SumBits+:SumBits]), .b_i(best_q[(d-1)*SumBits+:SumBits]), .less_o(less)
     );
@@ -51,10 +53,10 @@ module fs_select_right #(
         best_q[d*SumBits+:SumBits] <= better ? sums_i[d*SumBits+:SumBits]
                                              : best_q[(d-1)*SumBits+:SumBits];
       end
-      if (en_i && better) winner_q <= DBits'(d);
-      else if (en_i) winner_q <= winner[(d-1)*DBits+:DBits];
+      if (en_i && better) winner_q <= LaneBits'(d);
+      else if (en_i) winner_q <= LaneBits'(winner[(d-1)*DBits+:DBits]);
     end
-    assign winner[d*DBits+:DBits] = winner_q;
+    assign winner[d*DBits+:DBits] = DBits'(winner_q);
   end
   assign right_winner_o = winner[(Disparities-1)*DBits+:DBits];
 
