@@ -3,7 +3,9 @@
 // rules.
 //
 // Wires with the names that u_output's own get in Yosys when it is flattened look into it.
-module output_room (
+module output_room #(
+  parameter int EnableClocks = 0
+) (
   input logic        clk_i,
   input logic        rst_ni,
   input logic [11:0] width_i,
@@ -23,7 +25,7 @@ module output_room (
 );
   logic room_o, frame_out_o, buffer_frame_o, valid_o, sof_o, eol_o, eof_o, bad_o;
   logic [15:0] disparity_o;
-  fs_output #(.MaxFrames(4)) u_output (
+  fs_output #(.MaxFrames(4), .EnableClocks(EnableClocks)) u_output (
     .clk_i, .rst_ni, .width_i, .height_i, .stage_rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
     .disparity_i, .room_o, .frame_out_o, .frame_in_i, .frame_bad_i, .buffer_sof_i, .buffer_error_i,
     .buffer_frame_o, .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
@@ -37,12 +39,13 @@ module output_room (
   always_ff @(posedge clk_i) started_q <= 1'b1;
   always_comb assume (started_q | ~rst_ni);
 
-  // A tick in this clock was decided upon in the clock before.
-  logic room_q, held_q;
+  // A tick in this clock was decided upon in the clock before, and EnableClocks earlier.
+  logic held_q;
   logic [19:0] held_word_q;
-  always_comb assume (~(en_i & stage_rst_ni) | room_q);
+  logic [EnableClocks:0] rooms_q;  // [k]: decided upon k clocks earlier
+  always_comb assume (~(en_i & stage_rst_ni) | rooms_q[EnableClocks]);
   always_ff @(posedge clk_i) begin
-    room_q <= rst_ni & room_o;
+    rooms_q <= rst_ni ? (EnableClocks + 1)'({rooms_q, room_o}) : '0;
     held_q <= rst_ni & valid_o & ~ready_i;
     held_word_q <= {bad_o, eof_o, eol_o, sof_o, disparity_o};
   end
@@ -59,16 +62,21 @@ module output_room (
     p_bad_with_eof_only: assert (~\u_output.word_q [19] | \u_output.word_q [18]);
   end
 
-  // What induction needs: the words that are on their way have room.
+  // What induction needs: the words that are on their way have room; the fewer, the later there was
+  // none.
   always_comb if (started_q) i_count: assert (\u_output.count <= 5'd16);
-  logic [4:0] words;
+  logic [4:0] words, most;
   assign words = \u_output.count + 5'(\u_output.push_q );
-  always_comb if (started_q)
-    i_on_the_way: assert (words <= (room_o ? 5'd14 : room_q ? 5'd15 : 5'd16));
+  always_comb begin
+    most = 5'd16;
+    for (int k = EnableClocks; k >= 0; k--) if (rooms_q[k]) most = 5'(15 - EnableClocks + k);
+    if (room_o) most = 5'(14 - EnableClocks);
+  end
+  always_comb if (started_q) i_on_the_way: assert (words <= most);
 
   // That all this can happen at all.
   always_ff @(posedge clk_i) begin
     if (~rst_ni) reached_o <= '0;
-    else reached_o <= reached_o | {\u_output.count > 5'd14, frame_out_o, ~room_o & room_q};
+    else reached_o <= reached_o | {\u_output.count > 5'd13, frame_out_o, ~room_o & rooms_q[0]};
   end
 endmodule

@@ -20,6 +20,7 @@ module fs_census #(
   parameter int CensusWindow = 11,
   parameter int CorrelationWindow = 15,
   parameter int Full = 0,
+  parameter int Copies = 1,  // of the tick: the lines and what goes with them, then each window
   localparam int Radius = CensusWindow / 2,
   localparam int Reach = Full != 0 ? Radius : Radius - Radius % 2,
   localparam int Side = Full != 0 ? 2 * Reach + 1 : Reach + 1,  // places along an axis of the pattern
@@ -27,7 +28,7 @@ module fs_census #(
 ) (
   input  logic            clk_i,
   input  logic            rst_ni,
-  input  logic            en_i,
+  input  logic [Copies-1:0] en_i,
   input  logic [11:0]     width_i,
   input  logic [11:0]     height_i,
   input  logic            valid_i,
@@ -60,7 +61,7 @@ module fs_census #(
   fs_line_delay #(
     .Bits(16 * Lines), .MaxLength(MaxWidth)
   ) u_lines (
-    .clk_i, .rst_ni, .en_i,
+    .clk_i, .rst_ni, .en_i(en_i[0]),
     .length_i($clog2(MaxWidth + 1)'(width_i)),
     .data_i(taps[16*Lines-1:0]),
     .data_o(taps[16*(Lines+1)-1:16])
@@ -69,28 +70,28 @@ module fs_census #(
   // Where the entering and the leaving centre stand, two ticks ahead of the windows.
   logic enter_valid, enter_sof, sol, leave_valid, leave_sof, unused_sol;
   fs_raster_delay #(.Rows(Reach), .Ticks(Reach - 1)) u_enter (
-    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
     .valid_o(enter_valid), .sof_o(enter_sof), .sol_o(sol)
   );
   fs_raster_delay #(.Rows(Reach + CorrelationWindow), .Ticks(Reach - 1)) u_leave (
-    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
     .valid_o(leave_valid), .sof_o(leave_sof), .sol_o(unused_sol)
   );
   logic [11:0] x, enter_y, leave_y;
   fs_position u_enter_position (
-    .clk_i, .rst_ni, .en_i, .valid_i(enter_valid), .sof_i(enter_sof), .sol_i(sol),
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i(enter_valid), .sof_i(enter_sof), .sol_i(sol),
     .x_o(x), .y_o(enter_y)
   );
   logic [11:0] unused_x;
   fs_position u_leave_position (
-    .clk_i, .rst_ni, .en_i, .valid_i(leave_valid), .sof_i(leave_sof), .sol_i(sol),
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i(leave_valid), .sof_i(leave_sof), .sol_i(sol),
     .x_o(unused_x), .y_o(leave_y)
   );
 
   // One tick ahead: how far the image reaches to each side of them.
   logic [11:0] x_q, right_q, enter_y_q, enter_below_q, leave_y_q, leave_below_q;
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       x_q <= x;
       right_q <= width_i - 12'd1 - x;
       enter_y_q <= enter_y;
@@ -118,7 +119,7 @@ module fs_census #(
       assign {column, enter_row, leave_row} = '1;
     end
     always_ff @(posedge clk_i) begin
-      if (en_i) begin
+      if (en_i[0]) begin
         columns_q[i] <= column;
         enter_rows_q[i] <= enter_row;
         leave_rows_q[i] <= leave_row;
@@ -141,23 +142,24 @@ module fs_census #(
   assign unused_taps = ^{taps, unused_sol, unused_x};
 
   fs_census_window #(.Side(Side), .Step(Step)) u_enter_left (
-    .clk_i, .en_i, .taps_i(enter_left), .columns_i(columns_q), .rows_i(enter_rows_q),
-    .bits_o(enter_left_o)
+    .clk_i, .en_i(en_i[1%Copies]), .taps_i(enter_left), .columns_i(columns_q),
+    .rows_i(enter_rows_q), .bits_o(enter_left_o)
   );
   fs_census_window #(.Side(Side), .Step(Step)) u_enter_right (
-    .clk_i, .en_i, .taps_i(enter_right), .columns_i(columns_q), .rows_i(enter_rows_q),
-    .bits_o(enter_right_o)
+    .clk_i, .en_i(en_i[2%Copies]), .taps_i(enter_right), .columns_i(columns_q),
+    .rows_i(enter_rows_q), .bits_o(enter_right_o)
   );
   fs_census_window #(.Side(Side), .Step(Step)) u_leave_left (
-    .clk_i, .en_i, .taps_i(leave_left), .columns_i(columns_q), .rows_i(leave_rows_q),
-    .bits_o(leave_left_o)
+    .clk_i, .en_i(en_i[3%Copies]), .taps_i(leave_left), .columns_i(columns_q),
+    .rows_i(leave_rows_q), .bits_o(leave_left_o)
   );
   fs_census_window #(.Side(Side), .Step(Step)) u_leave_right (
-    .clk_i, .en_i, .taps_i(leave_right), .columns_i(columns_q), .rows_i(leave_rows_q),
-    .bits_o(leave_right_o)
+    .clk_i, .en_i(en_i[4%Copies]), .taps_i(leave_right), .columns_i(columns_q),
+    .rows_i(leave_rows_q), .bits_o(leave_right_o)
   );
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
-    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
+    .valid_o, .sof_o, .sol_o
   );
 endmodule

@@ -22,11 +22,12 @@ module fs_match #(
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
   parameter int Primitives = 0,  // 0 behavioural, 1 ECP5
+  parameter int Copies = 1,      // of the tick: flags, column sums, then every four lanes
   localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1)
 ) (
   input  logic                           clk_i,
   input  logic                           rst_ni,
-  input  logic                           en_i,
+  input  logic [Copies-1:0]              en_i,
   input  logic [11:0]                    width_i,
   input  logic [11:0]                    height_i,
   input  logic                           valid_i,
@@ -54,45 +55,54 @@ module fs_match #(
   // Tick 1: lane d sees the left pixel x and the right pixel x - d.
   logic [CensusBits-1:0] enter_left_q, leave_left_q;
   logic [CensusBits*Disparities-1:0] enter_right_q, leave_right_q;
+  logic [CensusBits*(Disparities+1)-1:0] enter_right, leave_right;
+  assign enter_right = {enter_right_q, enter_right_i};
+  assign leave_right = {leave_right_q, leave_right_i};
   logic [Disparities-1:0] seen_q;  // x - d >= 0
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       enter_left_q <= enter_left_i;
       leave_left_q <= leave_left_i;
-      enter_right_q <= (CensusBits * Disparities)'({enter_right_q, enter_right_i});
-      leave_right_q <= (CensusBits * Disparities)'({leave_right_q, leave_right_i});
       seen_q <= sol_i ? Disparities'(1) : Disparities'({seen_q, 1'b1});
+    end
+  end
+  for (genvar d = 0; d < Disparities; d++) begin : g_right
+    always_ff @(posedge clk_i) begin
+      if (en_i[(2+d/4)%Copies]) begin
+        enter_right_q[CensusBits*d+:CensusBits] <= enter_right[CensusBits*d+:CensusBits];
+        leave_right_q[CensusBits*d+:CensusBits] <= leave_right[CensusBits*d+:CensusBits];
+      end
     end
   end
 
   // What the row that enters is to its frame, and where the window's centre stands, at tick 2.
   logic enter_valid, enter_sof, sol, centre_valid, centre_sof, unused_sol;
   fs_raster_delay #(.Rows(0), .Ticks(1 + Long)) u_enter (
-    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
     .valid_o(enter_valid), .sof_o(enter_sof), .sol_o(sol)
   );
   fs_raster_delay #(.Rows(Radius), .Ticks(1 + Long)) u_centre (
-    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
     .valid_o(centre_valid), .sof_o(centre_sof), .sol_o(unused_sol)
   );
   logic [11:0] x, unused_x, unused_y, centre_y;
   fs_position u_enter_position (
-    .clk_i, .rst_ni, .en_i, .valid_i(enter_valid), .sof_i(enter_sof), .sol_i(sol),
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i(enter_valid), .sof_i(enter_sof), .sol_i(sol),
     .x_o(x), .y_o(unused_y)
   );
   fs_position u_centre_position (
-    .clk_i, .rst_ni, .en_i, .valid_i(centre_valid), .sof_i(centre_sof), .sol_i(sol),
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i(centre_valid), .sof_i(centre_sof), .sol_i(sol),
     .x_o(unused_x), .y_o(centre_y)
   );
   logic unused;
-  assign unused = ^{unused_sol, unused_x, unused_y};
+  assign unused = ^{unused_sol, unused_x, unused_y, enter_right, leave_right};
   logic enter_valid_q, enter_sof_q, sol_q;
   logic [11:0] x_q, centre_y_q;
   logic [11:0] last_x_q, rows_below_q;  // of the settings: the centre has more rows than Radius below
   always_ff @(posedge clk_i) begin
     last_x_q <= width_i - 12'd1;
     rows_below_q <= height_i > 12'(Radius) ? height_i - 12'(Radius) : '0;
-    if (en_i) begin
+    if (en_i[0]) begin
       enter_valid_q <= enter_valid;
       enter_sof_q <= enter_sof;
       sol_q <= sol;
@@ -108,7 +118,7 @@ module fs_match #(
   logic fresh_row0_q, fresh_row0_4_q;     // row 0 of a frame enters
   logic centre_row0_q, centre_row0_4_q;   // the centre is in row 0
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       fresh_q <= enter_valid_q;
       if (sol_q) fresh_row0_q <= enter_sof_q;
       fresh_row0_4_q <= fresh_row0_q;
@@ -124,7 +134,7 @@ module fs_match #(
   logic [11:0] x3_q, x4_q, x5_q;
   logic row_end_q, first_q, first_7_q, last_q;
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       x3_q <= x_q;
       x4_q <= x3_q;
       x5_q <= x4_q;
@@ -143,7 +153,7 @@ module fs_match #(
       .CensusBits(CensusBits), .CorrelationWindow(CorrelationWindow),
       .Primitives(Primitives)
     ) u_lane (
-      .clk_i, .en_i,
+      .clk_i, .en_i(en_i[(2+d/4)%Copies]),
       .enter_left_i(enter_left_q), .enter_right_i(enter_right_q[CensusBits*d+:CensusBits]),
       .leave_left_i(leave_left_q), .leave_right_i(leave_right_q[CensusBits*d+:CensusBits]),
       .seen_i(seen_q[d]),
@@ -162,13 +172,13 @@ module fs_match #(
   fs_line_delay #(
     .Bits(Disparities * (ColumnBits + FreshBits)), .MaxLength(MaxWidth)
   ) u_columns (
-    .clk_i, .rst_ni, .en_i,
+    .clk_i, .rst_ni, .en_i(en_i[1%Copies]),
     .length_i($clog2(MaxWidth + 1)'(width_i - 12'd1)),
     .data_i({fresh_new, column_new}),
     .data_o({fresh_old, column_old})
   );
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
-    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
   );
 endmodule

@@ -10,12 +10,13 @@
 //           that a source began last is a register; those of older frames in flight wait in a
 //           small memory, at the frame's number.
 // Latency   3 clocks from the tick to valid_o.
-// Handshake raster in, stream out. room_o says that the FIFO can take 4 words more: so many may be
-//           on their way when fs_input, whose en_o must come here directly, reads it. While
-//           stage_rst_ni is low the raster is ignored.
+// Handshake raster in, stream out. room_o says that the FIFO can take 4 words more, and one for each
+//           of EnableClocks: so many may be on their way when fs_input reads it, whose en_o comes
+//           here EnableClocks later. While stage_rst_ni is low the raster is ignored.
 // Limits    MaxFrames as in fs_input. A flag must come 4 clocks before its frame's last tick.
 module fs_output #(
-  parameter int MaxFrames = 256
+  parameter int MaxFrames = 256,
+  parameter int EnableClocks = 0  // 0 to 8: from fs_input's tick to en_i
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -47,10 +48,12 @@ module fs_output #(
   output logic [15:0] disparity_o
 );
   localparam int Depth = 16;
-  localparam int OnTheWay = 4;
+  localparam int OnTheWay = 4 + EnableClocks;
   localparam int FrameBits = $clog2(MaxFrames);
   if (MaxFrames < 4 || MaxFrames != 1 << FrameBits)
     initial $fatal(1, "fs_output: MaxFrames is %0d, allowed: 4, 8, 16, ..", MaxFrames);
+  if (EnableClocks < 0 || EnableClocks > 8)
+    initial $fatal(1, "fs_output: EnableClocks is %0d, allowed: 0 to 8", EnableClocks);
 
   // The pixel's place.
   logic tick, take;

@@ -35,11 +35,12 @@
 module fs_rectify #(
   parameter int MaxWidth = 640,
   parameter int LineRows = 102,
-  parameter int MeshNodes = 5120
+  parameter int MeshNodes = 5120,
+  parameter int Copies = 1  // of the tick: places, then of each camera all but its mesh, its mesh
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
-  input  logic        en_i,
+  input  logic [Copies-1:0] en_i,
   input  logic [11:0] width_i,
   input  logic [11:0] height_i,
   input  logic [7:0]  read_rows_i,
@@ -101,12 +102,12 @@ module fs_rectify #(
       raw_sol_q <= '0;
       raw_sof_q <= 1'b0;
       running_q <= 1'b0;
-    end else if (en_i) begin
+    end else if (en_i[0]) begin
       raw_sol_q <= {raw_sol_q[20:1], sol_i};
       raw_sof_q <= valid_i & sof_i;
       running_q <= running_q | raw_sol_q[1];
     end
-    if (en_i) raw_column_q <= raw_sol_q[1] ? '0 : raw_column_q + 12'd1;
+    if (en_i[0]) raw_column_q <= raw_sol_q[1] ? '0 : raw_column_q + 12'd1;
   end
 
   // Is the rectified row the first of a frame? The rows' sof flags, delayed by read_rows_i rows:
@@ -116,7 +117,7 @@ module fs_rectify #(
   logic middle_q;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) middle_q <= 1'b0;
-    else if (en_i) middle_q <= late_sof[Split];
+    else if (en_i[0]) middle_q <= late_sof[Split];
   end
   for (genvar k = 0; k < RowBits; k++) begin : g_rows
     logic [(1<<k)-1:0] rows_q;
@@ -125,7 +126,7 @@ module fs_rectify #(
     assign move = k < Split ? raw_sol_q[1] : raw_sol_q[2];
     always_ff @(posedge clk_i) begin
       if (!rst_ni) rows_q <= '0;
-      else if (en_i && move) rows_q <= (1<<k)'({rows_q, in});
+      else if (en_i[0] && move) rows_q <= (1<<k)'({rows_q, in});
     end
     assign late_sof[k+1] = read_rows_i[k] ? rows_q[(1<<k)-1] : in;
   end
@@ -144,7 +145,7 @@ module fs_rectify #(
       row_sof_q <= 1'b0;
       sol_q <= '0;
       sof_q <= '0;
-    end else if (en_i) begin
+    end else if (en_i[0]) begin
       if (raw_sol_q[1]) row_sof_q <= raw_sof_q;
       sol_q <= {sol_q[LatencyTicks-1:3], running_q && raw_column_q == read_pixels_i};
       sof_q <= {sof_q[LatencyTicks-1:4], sol_q[3] & late_sof[RowBits]};
@@ -163,7 +164,7 @@ module fs_rectify #(
   logic [15:0] node_q;
   logic node_dy_q;
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       if (sol_q[4]) begin
         phase_q <= '0;
         cell_q <= '0;
@@ -200,7 +201,7 @@ module fs_rectify #(
   logic [13:6] result_q, result_dy_q, result_first_q;
   logic [24:6] mesh_over_q;  // the mesh row of the pixel in stage s is not all in memory
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       fraction_6_q <= fraction_q;
       fraction_7_q <= fraction_6_q;
       fraction_8_q <= fraction_7_q;
@@ -223,7 +224,7 @@ module fs_rectify #(
   logic [LatencyTicks:20] valid_q;
   assign cell_start = {cell_start_q, x_fraction_q == '0};
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       x_fraction_q <= sol_q[18] ? '0 : x_fraction_q + 3'd1;
       cell_start_q <= cell_start[20:19];
       if (sol_q[19]) begin
@@ -241,7 +242,7 @@ module fs_rectify #(
     if (!rst_ni) begin
       ring_q <= '0;
       valid_q <= '0;
-    end else if (en_i) begin
+    end else if (en_i[0]) begin
       if (raw_sol_q[20]) ring_q <= ring_q == RingBits'(LineRows - 1) ? '0 : ring_q + 1'b1;
       valid_q[LatencyTicks:21] <= valid_q[LatencyTicks-1:20];
       if (sol_q[19]) valid_q[20] <= sof_q[19] | (valid_q[20] & rows_left_q != 12'd1);
@@ -257,10 +258,10 @@ module fs_rectify #(
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       write_ring_q <= '0;
-    end else if (en_i && raw_sol_q[8]) begin
+    end else if (en_i[0] && raw_sol_q[8]) begin
       write_ring_q <= write_ring_q == RingBits'(LineRows - 1) ? '0 : write_ring_q + 1'b1;
     end
-    if (en_i) begin
+    if (en_i[0]) begin
       write_base_q <= BankBits'(write_ring_q[RingBits-1:1] * half_q);
       write_odd_q <= write_ring_q[0];
       write_column_q <= raw_sol_q[9] ? '0 : write_column_q + 12'd1;
@@ -279,7 +280,8 @@ module fs_rectify #(
     fs_rectify_camera #(
       .MaxWidth(MaxWidth), .LineRows(LineRows), .MeshNodes(MeshNodes)
     ) u_camera (
-      .clk_i, .rst_ni, .en_i, .half_i(half_q),
+      .clk_i, .rst_ni, .en_i(en_i[(1+2*Camera)%Copies]), .mesh_en_i(en_i[(2+2*Camera)%Copies]),
+      .half_i(half_q),
       .mesh_we_i(mesh_we), .mesh_bank_i, .mesh_node_i, .mesh_data_i,
       .node_i(node_q), .node_dy_i(node_dy_q),
       .fraction_i(fraction_10_q), .result_i(result_q[13]),

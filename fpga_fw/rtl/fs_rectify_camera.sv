@@ -28,6 +28,7 @@ module fs_rectify_camera #(
   input  logic                clk_i,
   input  logic                rst_ni,
   input  logic                en_i,
+  input  logic                mesh_en_i,  // a copy of en_i
   input  logic [HalfBits-1:0] half_i,
   // Mesh: see fs_rectify_mesh.
   input  logic                mesh_we_i,
@@ -65,7 +66,7 @@ module fs_rectify_camera #(
   fs_rectify_mesh #(
     .MeshNodes(MeshNodes)
   ) u_mesh (
-    .clk_i, .en_i,
+    .clk_i, .en_i(mesh_en_i),
     .we_i(mesh_we_i), .bank_i(mesh_bank_i), .write_node_i(mesh_node_i), .data_i(mesh_data_i),
     .node_i, .node_dy_i, .fraction_i, .result_i, .step_dy_i, .step_dx_i,
     .row_dy_i, .row_dx_i, .cell_dy_i, .cell_dx_i, .dy_o(dy), .dx_o(dx)

@@ -18,11 +18,12 @@
 module fs_select #(
   parameter int Disparities = 64,
   parameter int SumBits = 13,
+  parameter int Copies = 1,  // of the tick: rival and memories, right, then the left's
   localparam int DBits = $clog2(Disparities)
 ) (
   input  logic                           clk_i,
   input  logic                           rst_ni,
-  input  logic                           en_i,
+  input  logic [Copies-1:0]              en_i,
   input  logic                           valid_i,
   input  logic                           sof_i,
   input  logic                           sol_i,
@@ -40,6 +41,7 @@ module fs_select #(
   localparam int LatencyTicks = Disparities + 1;
   localparam int Segments = (Disparities + 15) / 16;
   localparam int S = SumBits;
+  localparam int LeftCopies = Copies > 2 ? Copies - 2 : 1;
   if (Disparities < 16 || Disparities > 128 || Disparities % 4 != 0)
     initial $fatal(1, "fs_select: Disparities is %0d, allowed: 16, 20, .. 128", Disparities);
 
@@ -54,31 +56,32 @@ module fs_select #(
   logic [8*S-1:0] window;
   logic [1:0] window_begin;
   logic low_out, high_out;
-  fs_select_left #(.Disparities(Disparities), .SumBits(S)) u_left (
-    .clk_i, .en_i, .sums_i, .sums_o(sums_q), .winner_o(winner), .around_o(around),
+  fs_select_left #(.Disparities(Disparities), .SumBits(S), .Copies(LeftCopies)) u_left (
+    .clk_i, .en_i(en_i[Copies-1-:LeftCopies]), .sums_i, .sums_o(sums_q),
+    .winner_o(winner), .around_o(around),
     .quads_o(quads), .below_o(below), .in_window_o(in_window),
     .window_o(window), .begin_o(window_begin), .low_out_o(low_out), .high_out_o(high_out)
   );
   fs_select_rival #(.Segments(Segments), .SumBits(S)) u_rival (
-    .clk_i, .en_i, .quads_i(quads), .below_i(below), .in_window_i(in_window),
+    .clk_i, .en_i(en_i[0]), .quads_i(quads), .below_i(below), .in_window_i(in_window),
     .window_i(window), .begin_i(window_begin), .low_out_i(low_out), .high_out_i(high_out),
     .rival_sum_o(rival_sum)
   );
 
   // Right: tick LatencyTicks.
   fs_select_right #(.Disparities(Disparities), .SumBits(S)) u_right (
-    .clk_i, .en_i, .begins_i(sol_i), .sums_i(sums_q), .right_winner_o(right_winner_o)
+    .clk_i, .en_i(en_i[1%Copies]), .begins_i(sol_i), .sums_i(sums_q), .right_winner_o
   );
 
   // Tick 6.
   logic valid, sof, sol;
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(6)) u_tags (
-    .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
+    .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
     .valid_o(valid), .sof_o(sof), .sol_o(sol)
   );
   logic [S-1:0] centre7_q, centre8_q, centre9_q, centre_q;  // C(0) until tick 10
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       centre7_q <= around[2*S+:S];
       centre8_q <= centre7_q;
       centre9_q <= centre8_q;
@@ -104,7 +107,7 @@ module fs_select #(
       write6_at_q <= DBits'(Ahead6);
       write10_at_q <= DBits'(Ahead10);
       filled_q <= 1'b0;
-    end else if (en_i) begin
+    end else if (en_i[0]) begin
       read_at_q <= read_at_q + 1'b1;
       write6_at_q <= write6_at_q + 1'b1;
       write10_at_q <= write10_at_q + 1'b1;
@@ -112,7 +115,7 @@ module fs_select #(
     end
   end
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       memory6[write6_at_q] <= {valid, sof, sol, winner, around[3*S+:2*S], around[0+:2*S]};
       memory10[write10_at_q] <= {rival_sum, centre_q};
       read6_q <= memory6[read_at_q];
@@ -122,7 +125,7 @@ module fs_select #(
       {rival_sum_o, around_o[2*S+:S]} <= read10_q;
     end
     if (!rst_ni || !filled_q) {valid_o, sof_o, sol_o} <= '0;
-    else if (en_i) {valid_o, sof_o, sol_o} <= read6_q[Bits6-1-:3];
+    else if (en_i[0]) {valid_o, sof_o, sol_o} <= read6_q[Bits6-1-:3];
   end
   assign winner_sum_o = around_o[2*S+:S];
 endmodule

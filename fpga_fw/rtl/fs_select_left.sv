@@ -17,11 +17,12 @@
 module fs_select_left #(
   parameter int Disparities = 64,
   parameter int SumBits = 13,
+  parameter int Copies = 1,  // of the tick, for the sums in turn
   localparam int DBits = $clog2(Disparities),
   localparam int Segments = (Disparities + 15) / 16
 ) (
   input  logic                           clk_i,
-  input  logic                           en_i,
+  input  logic [Copies-1:0]              en_i,
   input  logic [Disparities*SumBits-1:0] sums_i,       // tick 0
   output logic [Disparities*SumBits-1:0] sums_o,       // tick 1
   output logic [DBits-1:0]               winner_o,     // tick 6
@@ -40,12 +41,14 @@ module fs_select_left #(
 
   // The sums, until the winner is known.
   logic [Disparities*S-1:0] sums2_q, sums3_q, sums4_q;
-  always_ff @(posedge clk_i) begin
-    if (en_i) begin
-      sums_o <= sums_i;
-      sums2_q <= sums_o;
-      sums3_q <= sums2_q;
-      sums4_q <= sums3_q;
+  for (genvar i = 0; i < Quads; i++) begin : g_sums
+    always_ff @(posedge clk_i) begin
+      if (en_i[i*Copies/Quads]) begin
+        sums_o[4*i*S+:4*S] <= sums_i[4*i*S+:4*S];
+        sums2_q[4*i*S+:4*S] <= sums_o[4*i*S+:4*S];
+        sums3_q[4*i*S+:4*S] <= sums2_q[4*i*S+:4*S];
+        sums4_q[4*i*S+:4*S] <= sums3_q[4*i*S+:4*S];
+      end
     end
   end
 
@@ -57,7 +60,7 @@ module fs_select_left #(
     fs_select_less #(.Bits(S)) u_less (
       .a_i(sums_i[(2*i+1)*S+:S]), .b_i(sums_i[2*i*S+:S]), .less_o(second)
     );
-    always_ff @(posedge clk_i) if (en_i) pair_at_q[i] <= second;
+    always_ff @(posedge clk_i) if (en_i[i*Copies/(2*Quads)]) pair_at_q[i] <= second;
     assign pair[i*S+:S] = pair_at_q[i] ? sums_o[(2*i+1)*S+:S] : sums_o[2*i*S+:S];
   end
 
@@ -73,7 +76,7 @@ module fs_select_left #(
         .a_i(pair[(2*i+1)*S+:S]), .b_i(pair[2*i*S+:S]), .less_o(second)
       );
       always_ff @(posedge clk_i) begin
-        if (en_i) begin
+        if (en_i[i*Copies/Quads]) begin
           quad_q <= second ? pair[(2*i+1)*S+:S] : pair[2*i*S+:S];
           quad_at_q <= {second, second ? pair_at_q[2*i+1] : pair_at_q[2*i]};
         end
@@ -112,7 +115,7 @@ module fs_select_left #(
     assign low_candidate = low ? candidate[Bits+:Bits] : candidate[0+:Bits];
     assign high_candidate = high ? candidate[3*Bits+:Bits] : candidate[2*Bits+:Bits];
     always_ff @(posedge clk_i) begin
-      if (en_i) begin
+      if (en_i[s*Copies/Segments]) begin
         {segment_at_q[4*s+:2], segment_q[s*S+:S]} <= half ? high_candidate : low_candidate;
         segment_at_q[4*s+2+:2] <= {half, half ? high : low};
       end
@@ -154,7 +157,7 @@ module fs_select_left #(
     end
   end
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       quad3_q <= quad;
       quads_o <= quad3_q;
       below3_q <= below;
@@ -196,7 +199,7 @@ module fs_select_left #(
     end
   end
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       winner_q <= winner;
       first_q <= first;
       second_q <= second;
@@ -215,7 +218,7 @@ module fs_select_left #(
     .word_o(around)
   );
   always_ff @(posedge clk_i) begin
-    if (en_i) begin
+    if (en_i[0]) begin
       winner_o <= winner_q;
       around_o <= around;
     end

@@ -3,9 +3,9 @@
 //   fs_input -> rectify -> census -> match -> select -> check -> subpixel -> spike -> fs_output
 //
 // C++ twin  Pipeline in src/core/pipeline.cpp; include/fpga_stereo/core/stages.hpp
-// Schedule  fs_input makes ticks (en) of the pixels that come. Between the stages runs the raster:
-//           every tick is the next place of a row of width ticks, rows follow each other without a
-//           gap, and three tags go with the data:
+// Schedule  fs_input makes ticks (en) of the pixels that come, fs_enable hands them out. Between the
+//           stages runs the raster: every tick is the next place of a row of width ticks, rows
+//           follow each other without a gap, and three tags go with the data:
 //             valid  the row is one of a frame (else a bubble row, which only moves frames on)
 //             sof    first pixel of a frame
 //             sol    first tick of a row, of bubble rows too
@@ -57,7 +57,16 @@ module fs_top #(
   output logic        bad_o,
   output logic [15:0] disparity_o
 );
-  logic en, stage_rst_n, room;  // a tick; the stages run; there is room behind them
+  // The tick for each neighbourhood: how many copies, and where each stage's begin.
+  localparam int RectifyCopies = 5, CensusCopies = 5, MatchCopies = 2 + Disparities / 4;
+  localparam int SelectCopies = 2 + (Disparities + 15) / 16;
+  localparam int CensusAt = RectifyCopies, MatchAt = CensusAt + CensusCopies;
+  localparam int SelectAt = MatchAt + MatchCopies, CheckAt = SelectAt + SelectCopies;
+  localparam int SubpixelAt = CheckAt + 1, SpikeAt = SubpixelAt + 1, OutputAt = SpikeAt + 1;
+  localparam int SignaturesAt = OutputAt + 1;
+  logic [SignaturesAt:0] en;
+  logic [fs_pkg::NumStages+1:0] stage_rst_n;  // the stages', the output's, that of the signatures
+  logic first_en, first_rst_n, room;  // a tick; the stages run; there is room behind them
 
   // Registers and the configuration in effect.
   logic [11:0] width, height, read_pixels;
@@ -84,29 +93,40 @@ module fs_top #(
     .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
     .mesh_data_o(mesh_data), .bank_o(mesh_bank),
     .busy_i(busy), .frame_in_i(frame_in), .frame_out_i(frame_out), .cut_frame_i(cut_frame),
-    .long_frame_i(long_frame), .buffer_left_i(left_error & en), .buffer_right_i(right_error & en),
-    .buffer_frame_i(buffer_frame), .signatures_i(signatures)
+    .long_frame_i(long_frame), .buffer_left_i(left_error & en[0]),
+    .buffer_right_i(right_error & en[0]), .buffer_frame_i(buffer_frame), .signatures_i(signatures)
   );
 
   // The stream becomes the raster.
-  logic raw_valid, raw_sof, raw_sol;
-  logic [7:0] raw_left, raw_right;
+  logic first_valid, first_sof, first_sol;
+  logic [7:0] first_left, first_right;
   fs_input #(.MinRows(CorrelationWindow / 2 + 1)) u_input (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .valid_i, .ready_o, .sof_i, .eol_i, .left_i, .right_i,
-    .stage_rst_no(stage_rst_n), .en_o(en),
-    .valid_o(raw_valid), .sof_o(raw_sof), .sol_o(raw_sol), .left_o(raw_left), .right_o(raw_right),
+    .stage_rst_no(first_rst_n), .en_o(first_en), .valid_o(first_valid), .sof_o(first_sof),
+    .sol_o(first_sol), .left_o(first_left), .right_o(first_right),
     .room_i(room), .frame_out_i(frame_out), .frame_in_o(frame_in), .frame_bad_o(frame_bad),
     .apply_i(pending), .apply_o(apply), .busy_o(busy),
     .cut_frame_o(cut_frame), .long_frame_o(long_frame)
   );
 
+  logic raw_valid, raw_sof, raw_sol;
+  logic [7:0] raw_left, raw_right;
+  fs_enable #(.Copies(SignaturesAt + 1), .Resets(fs_pkg::NumStages + 2)) u_enable (
+    .clk_i, .rst_ni, .stage_rst_ni(first_rst_n), .en_i(first_en),
+    .valid_i(first_valid), .sof_i(first_sof), .sol_i(first_sol),
+    .left_i(first_left), .right_i(first_right),
+    .stage_rst_no(stage_rst_n), .en_o(en), .valid_o(raw_valid), .sof_o(raw_sof), .sol_o(raw_sol),
+    .left_o(raw_left), .right_o(raw_right)
+  );
+
   logic rectify_valid, rectify_sof, rectify_sol, buffer_left, buffer_right;
   logic [7:0] left, right;
   fs_rectify #(
-    .MaxWidth(MaxWidth), .LineRows(LineRows), .MeshNodes(MeshNodes)
+    .MaxWidth(MaxWidth), .LineRows(LineRows), .MeshNodes(MeshNodes), .Copies(RectifyCopies)
   ) u_rectify (
-    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageRectify]),
+    .en_i(en[0+:RectifyCopies]), .width_i(width), .height_i(height),
     .read_rows_i(read_rows), .read_pixels_i(read_pixels),
     .mesh_bank_i(mesh_bank), .mesh_we_i(mesh_we), .mesh_right_i(mesh_right),
     .mesh_node_i(16'(mesh_node)), .mesh_data_i(mesh_data),
@@ -121,9 +141,10 @@ module fs_top #(
   logic [CensusBits-1:0] enter_left, enter_right, leave_left, leave_right;
   fs_census #(
     .MaxWidth(MaxWidth), .CensusWindow(CensusWindow), .CorrelationWindow(CorrelationWindow),
-    .Full(CensusFull)
+    .Full(CensusFull), .Copies(CensusCopies)
   ) u_census (
-    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageCensus]),
+    .en_i(en[CensusAt+:CensusCopies]), .width_i(width), .height_i(height),
     .valid_i(rectify_valid), .sof_i(rectify_sof), .sol_i(rectify_sol),
     .left_i(left), .right_i(right),
     .valid_o(census_valid), .sof_o(census_sof), .sol_o(census_sol),
@@ -135,9 +156,10 @@ module fs_top #(
   logic [Disparities*SumBits-1:0] sums;
   fs_match #(
     .MaxWidth(MaxWidth), .Disparities(Disparities), .CensusBits(CensusBits),
-    .CorrelationWindow(CorrelationWindow), .Primitives(Primitives)
+    .CorrelationWindow(CorrelationWindow), .Primitives(Primitives), .Copies(MatchCopies)
   ) u_match (
-    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageMatch]),
+    .en_i(en[MatchAt+:MatchCopies]), .width_i(width), .height_i(height),
     .valid_i(census_valid), .sof_i(census_sof), .sol_i(census_sol),
     .enter_left_i(enter_left), .enter_right_i(enter_right),
     .leave_left_i(leave_left), .leave_right_i(leave_right),
@@ -148,8 +170,11 @@ module fs_top #(
   logic [DBits-1:0] winner, right_winner;
   logic [SumBits-1:0] winner_sum, rival_sum;
   logic [5*SumBits-1:0] around;
-  fs_select #(.Disparities(Disparities), .SumBits(SumBits)) u_select (
-    .clk_i, .rst_ni(stage_rst_n), .en_i(en),
+  fs_select #(
+    .Disparities(Disparities), .SumBits(SumBits), .Copies(SelectCopies)
+  ) u_select (
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSelect]),
+    .en_i(en[SelectAt+:SelectCopies]),
     .valid_i(match_valid), .sof_i(match_sof), .sol_i(match_sol), .sums_i(sums),
     .valid_o(select_valid), .sof_o(select_sof), .sol_o(select_sol),
     .winner_o(winner), .right_winner_o(right_winner), .winner_sum_o(winner_sum),
@@ -160,7 +185,8 @@ module fs_top #(
   logic [DBits-1:0] check_winner;
   logic [5*SumBits-1:0] check_around;
   fs_check #(.Disparities(Disparities), .SumBits(SumBits)) u_check (
-    .clk_i, .rst_ni(stage_rst_n), .en_i(en),
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageCheck]),
+    .en_i(en[CheckAt]),
     .left_right_check_i(left_right_check), .uniqueness_check_i(uniqueness_check),
     .disp12_max_diff_i(disp12_max_diff), .uniqueness_i(uniqueness),
     .valid_i(select_valid), .sof_i(select_sof), .sol_i(select_sol),
@@ -173,7 +199,8 @@ module fs_top #(
   logic subpixel_valid, subpixel_sof, subpixel_sol;
   logic [15:0] refined;
   fs_subpixel #(.Disparities(Disparities), .SumBits(SumBits)) u_subpixel (
-    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .subpixel_i(subpixel),
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSubpixel]),
+    .en_i(en[SubpixelAt]), .subpixel_i(subpixel),
     .valid_i(check_valid), .sof_i(check_sof), .sol_i(check_sol),
     .kept_i(kept), .winner_i(check_winner), .around_i(check_around),
     .valid_o(subpixel_valid), .sof_o(subpixel_sof), .sol_o(subpixel_sol),
@@ -185,16 +212,17 @@ module fs_top #(
   fs_spike #(
     .MaxWidth(MaxWidth), .DisparityBits($clog2(Disparities * fs_pkg::DisparityScale))
   ) u_spike (
-    .clk_i, .rst_ni(stage_rst_n), .en_i(en), .width_i(width), .height_i(height),
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSpike]),
+    .en_i(en[SpikeAt]), .width_i(width), .height_i(height),
     .speckle_size_i(speckle_size), .speckle_range_i(speckle_range),
     .valid_i(subpixel_valid), .sof_i(subpixel_sof), .sol_i(subpixel_sol), .disparity_i(refined),
     .valid_o(spike_valid), .sof_o(spike_sof), .sol_o(spike_sol), .disparity_o(disparity)
   );
 
   // The raster becomes the stream.
-  fs_output u_output (
+  fs_output #(.EnableClocks(2)) u_output (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
-    .stage_rst_ni(stage_rst_n), .en_i(en),
+    .stage_rst_ni(stage_rst_n[fs_pkg::NumStages]), .en_i(en[OutputAt]),
     .valid_i(spike_valid), .sof_i(spike_sof), .sol_i(spike_sol), .disparity_i(disparity),
     .room_o(room), .frame_out_o(frame_out), .frame_in_i(frame_in), .frame_bad_i(frame_bad),
     .buffer_sof_i(rectify_sof), .buffer_error_i(left_error | right_error),
@@ -206,7 +234,8 @@ module fs_top #(
   fs_signatures #(
     .Disparities(Disparities), .CensusBits(CensusBits), .SumBits(SumBits)
   ) u_signatures (
-    .clk_i, .rst_ni, .stage_rst_ni(stage_rst_n), .en_i(en), .busy_i(busy),
+    .clk_i, .rst_ni, .stage_rst_ni(stage_rst_n[fs_pkg::NumStages+1]),
+    .en_i(en[SignaturesAt]), .busy_i(busy),
     .valid_i({spike_valid, subpixel_valid, check_valid, select_valid, match_valid, census_valid,
               rectify_valid}),
     .sof_i({spike_sof, subpixel_sof, check_sof, select_sof, match_sof, census_sof, rectify_sof}),
