@@ -6,9 +6,10 @@
 // Schedule  per disparity a lane (fs_match_lane) that never recomputes a window: of each column the
 //           running sum over its rows gains the row that enters and loses the row that leaves;
 //           a running sum along the row gives the window. Column sums wait a row in block RAM.
-//           The ticks below are those of up to 30 census bits; with more, all from tick 3 on are one
-//           later. Tick 1 sets the left bits and the right bits of d pixels earlier side by side, then
-//           the lane's ticks follow.
+//           The ticks below are those of up to 30 census bits; with more, all from tick 4 on are
+//           one later. Tick 2 sets the left bits and the right bits of d pixels earlier side by
+//           side, then the lane's ticks follow. What goes to all lanes has a copy for every Group of
+//           them: no flip-flop drives more than those.
 //           Frames without a gap: while the last rows of a frame still leave the sums, the first
 //           rows of the next enter a second sum of their own, and are taken over from it when the
 //           window's centre has come to row 0.
@@ -45,33 +46,34 @@ module fs_match #(
   localparam int Radius = CorrelationWindow / 2;
   localparam int LatencyRows = Radius;
   localparam int Long = CensusBits > 30 ? 1 : 0;  // fs_hamming takes a tick more: all behind it, too
-  localparam int LatencyTicks = Radius + 8 + Long;
+  localparam int LatencyTicks = Radius + 9 + Long;
+  localparam int Group = 8;
+  localparam int Groups = (Disparities + Group - 1) / Group;
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1);
   localparam int FreshBits = $clog2(Radius * CensusBits + 1);
 
   if (Disparities < 16 || Disparities > 128 || Disparities % 4 != 0)
     initial $fatal(1, "fs_match: Disparities is %0d, allowed: 16, 20, .. 128", Disparities);
 
-  // Tick 1: lane d sees the left pixel x and the right pixel x - d.
-  logic [CensusBits-1:0] enter_left_q, leave_left_q;
-  logic [CensusBits*Disparities-1:0] enter_right_q, leave_right_q;
-  logic [CensusBits*(Disparities+1)-1:0] enter_right, leave_right;
-  assign enter_right = {enter_right_q, enter_right_i};
-  assign leave_right = {leave_right_q, leave_right_i};
+  // Tick 1: as they come. Tick 2: lane d sees the left pixel x and the right pixel x - d.
+  logic [2*CensusBits-1:0] left_q, right_q;  // {leave, enter}
+  logic sol_1_q;
+  logic [2*CensusBits*Disparities-1:0] lane_right_q;
+  logic [2*CensusBits*(Disparities+1)-1:0] lane_right;
   logic [Disparities-1:0] seen_q;  // x - d >= 0
+  assign lane_right = {lane_right_q, right_q};
   always_ff @(posedge clk_i) begin
     if (en_i[0]) begin
-      enter_left_q <= enter_left_i;
-      leave_left_q <= leave_left_i;
-      seen_q <= sol_i ? Disparities'(1) : Disparities'({seen_q, 1'b1});
+      left_q <= {leave_left_i, enter_left_i};
+      right_q <= {leave_right_i, enter_right_i};
+      sol_1_q <= sol_i;
+      seen_q <= sol_1_q ? Disparities'(1) : Disparities'({seen_q, 1'b1});
     end
   end
   for (genvar d = 0; d < Disparities; d++) begin : g_right
     always_ff @(posedge clk_i) begin
-      if (en_i[(2+d/4)%Copies]) begin
-        enter_right_q[CensusBits*d+:CensusBits] <= enter_right[CensusBits*d+:CensusBits];
-        leave_right_q[CensusBits*d+:CensusBits] <= leave_right[CensusBits*d+:CensusBits];
-      end
+      if (en_i[(2+d/4)%Copies])
+        lane_right_q[2*CensusBits*d+:2*CensusBits] <= lane_right[2*CensusBits*d+:2*CensusBits];
     end
   end
 
@@ -95,7 +97,7 @@ module fs_match #(
     .x_o(unused_x), .y_o(centre_y)
   );
   logic unused;
-  assign unused = ^{unused_sol, unused_x, unused_y, enter_right, leave_right};
+  assign unused = ^{unused_sol, unused_x, unused_y, lane_right};
   logic enter_valid_q, enter_sof_q, sol_q;
   logic [11:0] x_q, centre_y_q;
   logic [11:0] last_x_q, rows_below_q;  // of the settings: the centre has more rows than Radius below
@@ -111,7 +113,7 @@ module fs_match #(
     end
   end
 
-  // Row flags, constant over a row: tick 3, and those for the sums at tick 4.
+  // Row flags, constant over a row: tick 3; the lanes have them at tick 4, those for the sums at 5.
   logic fresh_q;                          // a row of a frame enters
   logic enters_q;                         // the entering row is of the centre's frame
   logic leaves_q;                         // so is the leaving row
@@ -129,8 +131,8 @@ module fs_match #(
     end
   end
 
-  // Column flags of the running sum along the row, for tick 6 (first: 7): x is the column
-  // that enters it.
+  // Column flags of the running sum along the row: tick 6 (first: 7), in the lanes a tick later; x
+  // is the column that enters it.
   logic [11:0] x3_q, x4_q, x5_q;
   logic row_end_q, first_q, first_7_q, last_q;
   always_ff @(posedge clk_i) begin
@@ -146,24 +148,45 @@ module fs_match #(
     end
   end
 
+  // For each group of lanes: the left bits, tick 2; the flags, a tick later than above.
+  logic [2*CensusBits*Groups-1:0] group_left_q;
+  logic [8*Groups-1:0] group_flags_q;
+  for (genvar g = 0; g < Groups; g++) begin : g_group
+    // Kept, for synthesis would find them equal and leave one of them.
+    (* keep *) always_ff @(posedge clk_i) begin
+      if (en_i[(2+g*Group/4)%Copies]) begin
+        group_left_q[2*CensusBits*g+:2*CensusBits] <= left_q;
+        group_flags_q[8*g+:8] <= {fresh_q, fresh_row0_4_q, enters_q, leaves_q, centre_row0_4_q,
+                                  row_end_q, first_7_q, last_q};
+      end
+    end
+  end
+
   logic [Disparities*ColumnBits-1:0] column_new, column_old;
   logic [Disparities*FreshBits-1:0] fresh_new, fresh_old;
   for (genvar d = 0; d < Disparities; d++) begin : g_lane
+    localparam int Left = 2 * CensusBits * (d / Group);
+    localparam int Right = 2 * CensusBits * d;
+    logic fresh, fresh_row0, enters, leaves, centre_row0, row_end, first, last;
+    assign {fresh, fresh_row0, enters, leaves, centre_row0, row_end, first, last} =
+        group_flags_q[8*(d/Group)+:8];
     fs_match_lane #(
       .CensusBits(CensusBits), .CorrelationWindow(CorrelationWindow),
       .Primitives(Primitives)
     ) u_lane (
       .clk_i, .en_i(en_i[(2+d/4)%Copies]),
-      .enter_left_i(enter_left_q), .enter_right_i(enter_right_q[CensusBits*d+:CensusBits]),
-      .leave_left_i(leave_left_q), .leave_right_i(leave_right_q[CensusBits*d+:CensusBits]),
+      .enter_left_i(group_left_q[Left+:CensusBits]),
+      .enter_right_i(lane_right_q[Right+:CensusBits]),
+      .leave_left_i(group_left_q[Left+CensusBits+:CensusBits]),
+      .leave_right_i(lane_right_q[Right+CensusBits+:CensusBits]),
       .seen_i(seen_q[d]),
-      .fresh_i(fresh_q), .fresh_row0_i(fresh_row0_4_q), .enters_i(enters_q),
-      .leaves_i(leaves_q), .centre_row0_i(centre_row0_4_q),
+      .fresh_i(fresh), .fresh_row0_i(fresh_row0), .enters_i(enters), .leaves_i(leaves),
+      .centre_row0_i(centre_row0),
       .column_old_i(column_old[ColumnBits*d+:ColumnBits]),
       .column_new_o(column_new[ColumnBits*d+:ColumnBits]),
       .fresh_old_i(fresh_old[FreshBits*d+:FreshBits]),
       .fresh_new_o(fresh_new[FreshBits*d+:FreshBits]),
-      .row_end_i(row_end_q), .first_i(first_7_q), .last_i(last_q),
+      .row_end_i(row_end), .first_i(first), .last_i(last),
       .sum_o(sums_o[SumBits*d+:SumBits])
     );
   end

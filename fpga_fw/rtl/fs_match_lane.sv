@@ -1,15 +1,15 @@
 // One disparity of match: two Hamming distances, the column sum, the window sum.
 //
-// Schedule  the vectors at the inputs are those of tick 1 of fs_match:
-//             ticks 2, 3  Hamming distances of the entering and of the leaving row (with more than
+// Schedule  the vectors at the inputs are those of tick 2 of fs_match:
+//             ticks 3, 4  Hamming distances of the entering and of the leaving row (with more than
 //                         30 bits they take a tick more, and all else comes a tick later)
-//             tick 4      what changes in the column
-//             tick 5      column sum (column_new_o), and the sum of a frame's first rows alone
-//                         (fresh_new_o); both come back as .._old_i a row later, at tick 4
-//             tick 6      running sum along the rows, never reset, modulo its width; kept as its
+//             tick 5      what changes in the column
+//             tick 6      column sum (column_new_o), and the sum of a frame's first rows alone
+//                         (fresh_new_o); both come back as .._old_i a row later, at tick 5
+//             tick 7      running sum along the rows, never reset, modulo its width; kept as its
 //                         complement, which makes the last step an addition
-//             tick 7      its value at the window's right end, held at the end of the row
-//             tick 8      window sum: less the value before its left end, held at the row's start
+//             tick 8      its value at the window's right end, held at the end of the row
+//             tick 9      window sum: less the value before its left end, held at the row's start
 module fs_match_lane #(
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
@@ -25,20 +25,20 @@ module fs_match_lane #(
   input  logic [CensusBits-1:0] enter_right_i,
   input  logic [CensusBits-1:0] leave_left_i,
   input  logic [CensusBits-1:0] leave_right_i,
-  input  logic                  seen_i,         // tick 1: the right pixel is in the image
-  input  logic                  fresh_i,        // tick 3: a row of a frame enters
-  input  logic                  fresh_row0_i,   // tick 4: row 0 of a frame does
-  input  logic                  enters_i,       // tick 3: .. of the frame of the window's centre
-  input  logic                  leaves_i,       // tick 3: a row of that frame leaves
-  input  logic                  centre_row0_i,  // tick 4: the window's centre is in row 0
-  input  logic [ColumnBits-1:0] column_old_i,   // tick 4
-  output logic [ColumnBits-1:0] column_new_o,   // tick 5
-  input  logic [FreshBits-1:0]  fresh_old_i,    // tick 4
-  output logic [FreshBits-1:0]  fresh_new_o,    // tick 5
-  input  logic                  row_end_i,      // tick 6: last column of the row
-  input  logic                  first_i,        // tick 7: the window begins left of the image
-  input  logic                  last_i,         // tick 6: the window ends right of the image
-  output logic [SumBits-1:0]    sum_o           // tick 8
+  input  logic                  seen_i,         // tick 2: the right pixel is in the image
+  input  logic                  fresh_i,        // tick 4: a row of a frame enters
+  input  logic                  fresh_row0_i,   // tick 5: row 0 of a frame does
+  input  logic                  enters_i,       // tick 4: .. of the frame of the window's centre
+  input  logic                  leaves_i,       // tick 4: a row of that frame leaves
+  input  logic                  centre_row0_i,  // tick 5: the window's centre is in row 0
+  input  logic [ColumnBits-1:0] column_old_i,   // tick 5
+  output logic [ColumnBits-1:0] column_new_o,   // tick 6
+  input  logic [FreshBits-1:0]  fresh_old_i,    // tick 5
+  output logic [FreshBits-1:0]  fresh_new_o,    // tick 6
+  input  logic                  row_end_i,      // tick 7: last column of the row
+  input  logic                  first_i,        // tick 8: the window begins left of the image
+  input  logic                  last_i,         // tick 7: the window ends right of the image
+  output logic [SumBits-1:0]    sum_o           // tick 9
 );
   localparam int CountBits = $clog2(CensusBits + 1);
   localparam logic [CountBits-1:0] Chance = CountBits'(CensusBits / 2);

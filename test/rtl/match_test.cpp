@@ -210,7 +210,7 @@ TYPED_TEST(RtlMatch, Latency) {
   const bool many_bits = census_neighbours(built<TypeParam>()).size() > 30;
   for (const int width : {24, 31}) {
     EXPECT_EQ(compare<TypeParam>(pairs<TypeParam>({width, 12}, 1, 1), {}).latency_ticks,
-              this->radius() * width + this->radius() + (many_bits ? 9 : 8));
+              this->radius() * width + this->radius() + (many_bits ? 10 : 9));
   }
 }
 
