@@ -97,6 +97,32 @@ module fs_top #(
     .buffer_right_i(right_error & en[0]), .buffer_frame_i(buffer_frame), .signatures_i(signatures)
   );
 
+  // The settings for the stages: they change only in a reset of the stages, and yet each of their
+  // ways across the chip is one that must be short. Kept, as the copies in fs_enable.
+  localparam int SizeRectify = 0, SizeCensus = 1, SizeMatch = 2, SizeSpike = 3;
+  logic [4*12-1:0] width_q, height_q;
+  for (genvar k = 0; k < 4; k++) begin : g_size
+    (* keep *) always_ff @(posedge clk_i) begin
+      width_q[12*k+:12] <= width;
+      height_q[12*k+:12] <= height;
+    end
+  end
+  logic [11:0] read_pixels_q;
+  logic [7:0] read_rows_q, disp12_max_diff_q;
+  logic [9:0] uniqueness_q, speckle_size_q, speckle_range_q;
+  logic left_right_check_q, uniqueness_check_q, subpixel_q;
+  always_ff @(posedge clk_i) begin
+    read_pixels_q <= read_pixels;
+    read_rows_q <= read_rows;
+    left_right_check_q <= left_right_check;
+    uniqueness_check_q <= uniqueness_check;
+    disp12_max_diff_q <= disp12_max_diff;
+    uniqueness_q <= uniqueness;
+    subpixel_q <= subpixel;
+    speckle_size_q <= speckle_size;
+    speckle_range_q <= speckle_range;
+  end
+
   // The stream becomes the raster.
   logic first_valid, first_sof, first_sol;
   logic [7:0] first_left, first_right;
@@ -126,8 +152,9 @@ module fs_top #(
     .MaxWidth(MaxWidth), .LineRows(LineRows), .MeshNodes(MeshNodes), .Copies(RectifyCopies)
   ) u_rectify (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageRectify]),
-    .en_i(en[0+:RectifyCopies]), .width_i(width), .height_i(height),
-    .read_rows_i(read_rows), .read_pixels_i(read_pixels),
+    .en_i(en[0+:RectifyCopies]),
+    .width_i(width_q[12*SizeRectify+:12]), .height_i(height_q[12*SizeRectify+:12]),
+    .read_rows_i(read_rows_q), .read_pixels_i(read_pixels_q),
     .mesh_bank_i(mesh_bank), .mesh_we_i(mesh_we), .mesh_right_i(mesh_right),
     .mesh_node_i(16'(mesh_node)), .mesh_data_i(mesh_data),
     .valid_i(raw_valid), .sof_i(raw_sof), .sol_i(raw_sol), .left_i(raw_left), .right_i(raw_right),
@@ -144,7 +171,8 @@ module fs_top #(
     .Full(CensusFull), .Copies(CensusCopies)
   ) u_census (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageCensus]),
-    .en_i(en[CensusAt+:CensusCopies]), .width_i(width), .height_i(height),
+    .en_i(en[CensusAt+:CensusCopies]),
+    .width_i(width_q[12*SizeCensus+:12]), .height_i(height_q[12*SizeCensus+:12]),
     .valid_i(rectify_valid), .sof_i(rectify_sof), .sol_i(rectify_sol),
     .left_i(left), .right_i(right),
     .valid_o(census_valid), .sof_o(census_sof), .sol_o(census_sol),
@@ -159,7 +187,8 @@ module fs_top #(
     .CorrelationWindow(CorrelationWindow), .Primitives(Primitives), .Copies(MatchCopies)
   ) u_match (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageMatch]),
-    .en_i(en[MatchAt+:MatchCopies]), .width_i(width), .height_i(height),
+    .en_i(en[MatchAt+:MatchCopies]),
+    .width_i(width_q[12*SizeMatch+:12]), .height_i(height_q[12*SizeMatch+:12]),
     .valid_i(census_valid), .sof_i(census_sof), .sol_i(census_sol),
     .enter_left_i(enter_left), .enter_right_i(enter_right),
     .leave_left_i(leave_left), .leave_right_i(leave_right),
@@ -187,8 +216,8 @@ module fs_top #(
   fs_check #(.Disparities(Disparities), .SumBits(SumBits)) u_check (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageCheck]),
     .en_i(en[CheckAt]),
-    .left_right_check_i(left_right_check), .uniqueness_check_i(uniqueness_check),
-    .disp12_max_diff_i(disp12_max_diff), .uniqueness_i(uniqueness),
+    .left_right_check_i(left_right_check_q), .uniqueness_check_i(uniqueness_check_q),
+    .disp12_max_diff_i(disp12_max_diff_q), .uniqueness_i(uniqueness_q),
     .valid_i(select_valid), .sof_i(select_sof), .sol_i(select_sol),
     .winner_i(winner), .right_winner_i(right_winner), .winner_sum_i(winner_sum),
     .rival_sum_i(rival_sum), .around_i(around),
@@ -200,7 +229,7 @@ module fs_top #(
   logic [15:0] refined;
   fs_subpixel #(.Disparities(Disparities), .SumBits(SumBits)) u_subpixel (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSubpixel]),
-    .en_i(en[SubpixelAt]), .subpixel_i(subpixel),
+    .en_i(en[SubpixelAt]), .subpixel_i(subpixel_q),
     .valid_i(check_valid), .sof_i(check_sof), .sol_i(check_sol),
     .kept_i(kept), .winner_i(check_winner), .around_i(check_around),
     .valid_o(subpixel_valid), .sof_o(subpixel_sof), .sol_o(subpixel_sol),
@@ -213,8 +242,9 @@ module fs_top #(
     .MaxWidth(MaxWidth), .DisparityBits($clog2(Disparities * fs_pkg::DisparityScale))
   ) u_spike (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSpike]),
-    .en_i(en[SpikeAt]), .width_i(width), .height_i(height),
-    .speckle_size_i(speckle_size), .speckle_range_i(speckle_range),
+    .en_i(en[SpikeAt]),
+    .width_i(width_q[12*SizeSpike+:12]), .height_i(height_q[12*SizeSpike+:12]),
+    .speckle_size_i(speckle_size_q), .speckle_range_i(speckle_range_q),
     .valid_i(subpixel_valid), .sof_i(subpixel_sof), .sol_i(subpixel_sol), .disparity_i(refined),
     .valid_o(spike_valid), .sof_o(spike_sof), .sol_o(spike_sol), .disparity_o(disparity)
   );
