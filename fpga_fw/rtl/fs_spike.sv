@@ -2,7 +2,7 @@
 //
 // Formula   a pixel of row y keeps its disparity iff its region, restricted to the rows 0..y+24,
 //           has at least speckle_size pixels; regions are 4-connected, neighbours differ by at most
-//           speckle_range. speckle_size 0: every pixel keeps it. No label runs out.
+//           speckle_range. With speckle_size 0 every pixel does. No label runs out.
 // C++ twin  fpga_stereo::spike (src/core/spike.cpp)
 // Schedule  in row times; the input row r + 1 comes at r + 1
 //             r+1   fs_spike_link       links row r+1 to the regions of rows 0..r
@@ -218,7 +218,6 @@ module fs_spike #(
 
   // Tick 32 and 33: the pixel again.
   logic [DisparityBits-1:0] disparity;
-  logic off_q;
   logic [TailBits-1:0] tail_length;
   assign tail_length = TailBits'(width_i) + TailBits'(Tail);
   fs_line_delay #(.Bits(DisparityBits), .MaxLength(MaxWidth + Tail)) u_tail (
@@ -227,8 +226,7 @@ module fs_spike #(
   );
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      off_q <= speckle_size_i == '0;
-      disparity_o <= ~&disparity && (k25 || off_q) ? 16'(disparity) : fs_pkg::NoDisparity;
+      disparity_o <= ~&disparity && k25 ? 16'(disparity) : fs_pkg::NoDisparity;
     end
   end
 

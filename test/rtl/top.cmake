@@ -20,7 +20,7 @@ endfunction()
 fpga_stereo_model(rtl_model_sparse 640 16 11 15 0 102 5120)
 fpga_stereo_model(rtl_model_trace 640 16 5 5 0 102 5120 --trace)
 fpga_stereo_model(rtl_model_full 640 20 11 15 1 102 5120)
-fpga_stereo_model(rtl_model_other 752 32 7 9 0 104 6144)
+fpga_stereo_model(rtl_model_other 752 32 11 5 0 104 6144)
 
 # fpga_stereo_top_test(TARGET TIMEOUT SOURCE MODELS...)
 function(fpga_stereo_top_test target timeout source)

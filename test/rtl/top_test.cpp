@@ -18,7 +18,7 @@ const TopBuild kSparse =
 const TopBuild kFull =
     top_build("full", "640_20_11_15_1_102_5120", 20, 11, CensusPattern::kFull, 15);
 const TopBuild kOther =
-    top_build("other", "752_32_7_9_0_104_6144", 32, 7, CensusPattern::kSparse, 9);
+    top_build("other", "752_32_11_5_0_104_6144", 32, 11, CensusPattern::kSparse, 5);
 
 class RtlTop : public ::testing::TestWithParam<TopBuild> {
  protected:
