@@ -126,7 +126,8 @@ module fs_top #(
   // The stream becomes the raster.
   logic first_valid, first_sof, first_sol;
   logic [7:0] first_left, first_right;
-  fs_input #(.MinRows(CorrelationWindow / 2 + 1)) u_input (
+  localparam int MaxFrames = 64;  // in flight; a further one waits
+  fs_input #(.MinRows(CorrelationWindow / 2 + 1), .MaxFrames(MaxFrames)) u_input (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .valid_i, .ready_o, .sof_i, .eol_i, .left_i, .right_i,
     .stage_rst_no(first_rst_n), .en_o(first_en), .valid_o(first_valid), .sof_o(first_sof),
@@ -250,7 +251,7 @@ module fs_top #(
   );
 
   // The raster becomes the stream.
-  fs_output #(.EnableClocks(2)) u_output (
+  fs_output #(.MaxFrames(MaxFrames), .EnableClocks(2)) u_output (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .stage_rst_ni(stage_rst_n[fs_pkg::NumStages]), .en_i(en[OutputAt]),
     .valid_i(spike_valid), .sof_i(spike_sof), .sol_i(spike_sol), .disparity_i(disparity),
