@@ -208,7 +208,8 @@ package fs_pkg;
   localparam logic [7:0] RegLabelExhaustion = 8'h35;
   localparam logic [31:0] RegLabelExhaustionReset = 32'h00000000;
 
-  // MESH_SWAPS (ro): swaps of the bank of meshes in use
+  // MESH_SWAPS (ro): swaps of the bank of meshes in use: applies with a node written since the last
+  // one
   localparam logic [7:0] RegMeshSwaps = 8'h36;
   localparam logic [31:0] RegMeshSwapsReset = 32'h00000000;
 

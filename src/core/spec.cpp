@@ -48,7 +48,7 @@ const std::vector<Register>& register_table() {
            {"long_frame", kErrorsLongFrame, "", "pixels came after the last one of a frame"},
            {"buffer_left", kErrorsBufferLeft, "", "rectify read what is not in the left buffer"},
            {"buffer_right", kErrorsBufferRight, "", "rectify read what is not in the right buffer"},
-           {"config", kErrorsConfig, "", "apply refused: WIDTH or HEIGHT out of range"},
+           {"config", kErrorsConfig, "", "apply refused: WIDTH, HEIGHT or READ_START out of range"},
            {"labels", kErrorsLabels, "", "spike ran out of labels; always 0 in this design"},
        }},
       {"WIDTH", kRegWidth, Access::kReadWrite, kRegWidthReset,
@@ -62,7 +62,7 @@ const std::vector<Register>& register_table() {
       {"READ_START", kRegReadStart, Access::kReadWrite, kRegReadStartReset,
        "T_s of rectify = rows x WIDTH + pixels", {
            {"pixels", kReadStartPixels, "", "fewer than WIDTH"},
-           {"rows", kReadStartRows, "", "whole rows"},
+           {"rows", kReadStartRows, "", "whole rows, fewer than BUILD_LINE_ROWS"},
        }},
       {"FLAGS", kRegFlags, Access::kReadWrite, kRegFlagsReset,
        "switches", {
@@ -115,7 +115,7 @@ const std::vector<Register>& register_table() {
        "frames with ERRORS.labels; always 0 in this design", {
        }},
       {"MESH_SWAPS", kRegMeshSwaps, Access::kReadOnly, kRegMeshSwapsReset,
-       "swaps of the bank of meshes in use", {
+       "swaps of the bank of meshes in use: applies with a node written since the last one", {
        }},
       {"SIGNATURE_RECTIFY", kRegSignatureRectify, Access::kReadOnly, kRegSignatureRectifyReset,
        "left << 8 ^ right", {
