@@ -51,6 +51,7 @@ module fs_match #(
   localparam int Groups = (Disparities + Group - 1) / Group;
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1);
   localparam int FreshBits = $clog2(Radius * CensusBits + 1);
+  localparam int PlaceBits = $clog2(CorrelationWindow);
 
   if (Disparities < 16 || Disparities > 128 || Disparities % 4 != 0)
     initial $fatal(1, "fs_match: Disparities is %0d, allowed: 16, 20, .. 128", Disparities);
@@ -151,6 +152,7 @@ module fs_match #(
   // For each group of lanes: the left bits, tick 2; the flags, a tick later than above.
   logic [2*CensusBits*Groups-1:0] group_left_q;
   logic [8*Groups-1:0] group_flags_q;
+  logic [PlaceBits*Groups-1:0] group_place_q;  // in the lanes' rings
   for (genvar g = 0; g < Groups; g++) begin : g_group
     // Kept, for synthesis would find them equal and leave one of them.
     (* keep *) always_ff @(posedge clk_i) begin
@@ -158,6 +160,15 @@ module fs_match #(
         group_left_q[2*CensusBits*g+:2*CensusBits] <= left_q;
         group_flags_q[8*g+:8] <= {fresh_q, fresh_row0_4_q, enters_q, leaves_q, centre_row0_4_q,
                                   row_end_q, first_7_q, last_q};
+      end
+    end
+    (* keep *) always_ff @(posedge clk_i) begin
+      if (!rst_ni) begin
+        group_place_q[PlaceBits*g+:PlaceBits] <= '0;
+      end else if (en_i[(2+g*Group/4)%Copies]) begin
+        group_place_q[PlaceBits*g+:PlaceBits] <=
+            group_place_q[PlaceBits*g+:PlaceBits] == PlaceBits'(CorrelationWindow - 1)
+                ? '0 : group_place_q[PlaceBits*g+:PlaceBits] + 1'b1;
       end
     end
   end
@@ -186,6 +197,7 @@ module fs_match #(
       .column_new_o(column_new[ColumnBits*d+:ColumnBits]),
       .fresh_old_i(fresh_old[FreshBits*d+:FreshBits]),
       .fresh_new_o(fresh_new[FreshBits*d+:FreshBits]),
+      .place_i(group_place_q[PlaceBits*(d/Group)+:PlaceBits]),
       .row_end_i(row_end), .first_i(first), .last_i(last),
       .sum_o(sums_o[SumBits*d+:SumBits])
     );

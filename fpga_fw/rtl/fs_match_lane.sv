@@ -9,7 +9,8 @@
 //             tick 7      running sum along the rows, never reset, modulo its width; kept as its
 //                         complement, which makes the last step an addition
 //             tick 8      its value at the window's right end, held at the end of the row
-//             tick 9      window sum: less the value before its left end, held at the row's start
+//             tick 9      window sum: less the value before its left end, held at the row's start;
+//                         that value waits in a ring of LUT RAM
 module fs_match_lane #(
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
@@ -17,7 +18,8 @@ module fs_match_lane #(
   localparam int Radius = CorrelationWindow / 2,
   localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1),
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1),
-  localparam int FreshBits = $clog2(Radius * CensusBits + 1)
+  localparam int FreshBits = $clog2(Radius * CensusBits + 1),
+  localparam int PlaceBits = $clog2(CorrelationWindow)
 ) (
   input  logic                  clk_i,
   input  logic                  en_i,
@@ -35,6 +37,7 @@ module fs_match_lane #(
   output logic [ColumnBits-1:0] column_new_o,   // tick 6
   input  logic [FreshBits-1:0]  fresh_old_i,    // tick 5
   output logic [FreshBits-1:0]  fresh_new_o,    // tick 6
+  input  logic [PlaceBits-1:0]  place_i,        // in turn 0 .. CorrelationWindow - 1
   input  logic                  row_end_i,      // tick 7: last column of the row
   input  logic                  first_i,        // tick 8: the window begins left of the image
   input  logic                  last_i,         // tick 7: the window ends right of the image
@@ -70,9 +73,10 @@ module fs_match_lane #(
 
   // The running sum's complement, n = -1 - sum: so sum(high) - sum(low) = n(low) - n(high).
   logic [SumBits-1:0] running_q, row_end_q, not_high_q, sum;
-  logic [SumBits*(CorrelationWindow+1)-1:0] before_q;  // running_q of 1, 2, .. ticks before
+  logic [SumBits-1:0] before_q;  // running_q of CorrelationWindow + 1 ticks before
+  (* ram_style = "distributed" *) logic [SumBits-1:0] ring[0:CorrelationWindow-1];
   fs_add_select #(.Bits(SumBits), .CarryIn(1), .Primitives(Primitives)) u_sum (
-    .a_i(not_high_q), .b_i(row_end_q), .c_i(before_q[SumBits*CorrelationWindow+:SumBits]),
+    .a_i(not_high_q), .b_i(row_end_q), .c_i(before_q),
     .select_i(first_i), .sum_o(sum)
   );
   always_ff @(posedge clk_i) begin
@@ -86,7 +90,8 @@ module fs_match_lane #(
       fresh_new_o <= fresh;
 
       running_q <= running_q - SumBits'(column_new_o);
-      before_q <= (SumBits * (CorrelationWindow + 1))'({before_q, running_q});
+      before_q <= ring[place_i];
+      ring[place_i] <= running_q;
       if (row_end_i) row_end_q <= running_q;
 
       not_high_q <= ~(last_i ? row_end_q : running_q);
