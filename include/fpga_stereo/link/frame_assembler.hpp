@@ -1,0 +1,134 @@
+// From packets to frames. A frame is a leader, packets of rows and a trailer; whatever of it is
+// lost costs rows, never a wrong pixel: what comes out whole is what the board sent, or it is not
+// called whole.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fpga_stereo/link/decoder.hpp"
+#include "fpga_stereo/link/packet.hpp"
+
+namespace fpga_stereo::link {
+
+enum class PixelFormat : std::uint8_t {
+  kDisparity = 1,  // u16, 1/32 px, 65535 = none
+  kGrey = 2,       // u8
+};
+
+/// Payload of PacketType::kLeader:
+///
+///   offset  type  field
+///    0      u16   width          px
+///    2      u16   height         px
+///    4      u8    format
+///    5      u8, u16  0
+///    8      u32   configuration  number of the configuration that made the frame
+struct Leader {
+  static constexpr std::size_t kBytes = 12;
+  std::uint16_t width = 0, height = 0;
+  PixelFormat format = PixelFormat::kDisparity;
+  std::uint32_t configuration = 0;
+
+  /// Bytes of a row in a packet of rows: the pixels, and zeros up to a multiple of 4.
+  std::size_t row_bytes() const;
+};
+
+/// Why a board calls its own frame bad: bits of Trailer::flags.
+enum FrameFlag : std::uint32_t {
+  kCutFrame = 1,     // the camera's frame had too few pixels
+  kLongFrame = 2,    // or too many
+  kBufferError = 4,  // rectify read what its line buffer did not hold
+  kOverrun = 8,      // the link was too slow: the board dropped the rest of the frame
+};
+
+/// Payload of PacketType::kTrailer:
+///
+///   offset  type  field
+///    0      u32   rows           that were sent
+///    4      u32   flags          FrameFlag, 0 is a good frame
+///    8      u32   signature      fpga_stereo::Signature of all pixels, in raster order
+struct Trailer {
+  static constexpr std::size_t kBytes = 12;
+  std::uint32_t rows = 0, flags = 0, signature = 0;
+};
+
+std::array<std::uint8_t, Leader::kBytes> pack(const Leader& leader);
+std::array<std::uint8_t, Trailer::kBytes> pack(const Trailer& trailer);
+
+/// One row (8UC1 or 16UC1) as a packet of rows has it, appended to `bytes`.
+void append_row(const cv::Mat& row, std::vector<std::uint8_t>& bytes);
+
+/// What became of a frame.
+struct Assembled {
+  enum class Verdict {
+    kGood,
+    kIncomplete,    // some rows are missing and invalid: only if asked for
+    kRowsMissing,   // dropped: `missing_rows`
+    kNoTrailer,     // dropped: the next frame began, or the link was lost
+    kFlagged,       // dropped: the board calls it bad, see `flags`
+    kBadSignature,  // dropped: all rows are there, and yet it is not what the board sent
+  };
+  Verdict verdict = Verdict::kGood;
+  Stream stream = Stream::kNone;
+  std::uint64_t frame_id = 0;
+  std::uint64_t timestamp = 0;  // us, board clock, mid-exposure
+  std::uint32_t configuration = 0;
+  std::uint32_t flags = 0;
+  int height = 0;  // px
+  int missing_rows = 0;
+  cv::Mat image;  // 16UC1 or 8UC1; empty if dropped
+
+  bool dropped() const { return image.empty(); }
+  /// For people: "disparity frame 7 dropped: 3 of 480 rows are missing".
+  std::string text() const;
+};
+
+class FrameAssembler {
+ public:
+  struct Options {
+    /// A disparity frame that lacks rows comes out as kIncomplete, those rows without disparity.
+    bool keep_incomplete = false;
+  };
+  /// Since the start.
+  struct Counters {
+    std::uint64_t good = 0, dropped = 0, incomplete = 0;
+    std::uint64_t refused = 0;  // packets of no frame under way, or with impossible contents
+  };
+
+  FrameAssembler() : FrameAssembler(Options{}) {}
+  explicit FrameAssembler(Options options) : options_(options) {}
+
+  /// Takes a leader, rows or a trailer; what it finishes is appended to `out`: none, one, or two
+  /// (a leader ends the frame before). Other packets are left alone.
+  void add(const Packet& packet, std::vector<Assembled>& out);
+
+  /// The link was lost: frames under way will not be finished.
+  void reset(std::vector<Assembled>& out);
+
+  const Counters& counters() const { return counters_; }
+
+ private:
+  struct Frame {
+    bool open = false;
+    Leader leader;
+    Assembled assembled;
+    std::vector<bool> have;  // by row
+  };
+  void begin(const Packet& packet, Frame& frame);
+  void take_rows(const Packet& packet, Frame& frame);
+  void end(const Packet& packet, Frame& frame, std::vector<Assembled>& out);
+  void finish(Frame& frame, Assembled::Verdict verdict, std::vector<Assembled>& out);
+
+  Options options_;
+  std::array<Frame, kNumStreams> frames_;
+  Counters counters_;
+};
+
+const char* name(Stream stream);
+
+}  // namespace fpga_stereo::link

@@ -1,0 +1,81 @@
+#include "fpga_stereo/link/decoder.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace fpga_stereo::link {
+namespace {
+
+const std::array<std::uint8_t, 4> kSyncBytes = [] {
+  std::array<std::uint8_t, 4> bytes{};
+  put_u32(bytes.data(), kSync);
+  return bytes;
+}();
+
+}  // namespace
+
+void Decoder::push(const std::uint8_t* bytes, std::size_t size) {
+  // Less than a packet remains when all packets have been taken out.
+  bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(at_));
+  at_ = 0;
+  bytes_.insert(bytes_.end(), bytes, bytes + size);
+  counters_.bytes += size;
+}
+
+void Decoder::skip(std::size_t bytes) {
+  at_ += bytes;
+  counters_.skipped += bytes;
+}
+
+bool Decoder::find_sync() {
+  const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
+  auto found = std::search(begin, bytes_.end(), kSyncBytes.begin(), kSyncBytes.end());
+  if (found == bytes_.end()) {
+    // The end may be the start of one.
+    const std::size_t most = std::min(left(), kSyncBytes.size() - 1);
+    for (found = bytes_.end() - static_cast<std::ptrdiff_t>(most); found != bytes_.end(); ++found) {
+      if (std::equal(found, bytes_.end(), kSyncBytes.begin())) break;
+    }
+  }
+  skip(static_cast<std::size_t>(found - begin));
+  return left() >= kHeaderBytes;
+}
+
+void Decoder::count_lost(std::uint32_t sequence) {
+  // Backwards: a packet that came twice or late, or a board that started anew.
+  const std::uint32_t gap = sequence - expected_.value_or(sequence);
+  if (gap < 0x80000000U) counters_.lost += gap;
+  expected_ = sequence + 1;
+}
+
+std::optional<Packet> Decoder::next() {
+  while (find_sync()) {
+    const std::uint8_t* bytes = bytes_.data() + at_;
+    const auto header = unpack(bytes);
+    if (!header) {
+      ++counters_.bad_headers;
+      skip(1);
+      continue;
+    }
+    const std::size_t size = kHeaderBytes + header->length + kCrcBytes;
+    if (left() < size) return std::nullopt;
+    const std::uint8_t* payload = bytes + kHeaderBytes;
+    if (get_u32(payload + header->length) != payload_crc(bytes, header->length)) {
+      ++counters_.bad_payloads;
+      skip(1);
+      continue;
+    }
+    at_ += size;
+    ++counters_.packets;
+    count_lost(header->sequence);
+    return Packet{*header, payload};
+  }
+  return std::nullopt;
+}
+
+void Decoder::give_up() {
+  if (find_sync()) ++counters_.bad_payloads;
+  if (left() > 0) skip(1);
+}
+
+}  // namespace fpga_stereo::link

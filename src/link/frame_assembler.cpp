@@ -1,0 +1,235 @@
+#include "fpga_stereo/link/frame_assembler.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "fpga_stereo/core/signature.hpp"
+#include "fpga_stereo/core/spec.hpp"
+
+namespace fpga_stereo::link {
+namespace {
+
+using Verdict = Assembled::Verdict;
+
+std::size_t pixel_bytes(PixelFormat format) { return format == PixelFormat::kDisparity ? 2 : 1; }
+
+/// The leader in a payload; none if it describes no frame that there can be.
+std::optional<Leader> unpack_leader(const Packet& packet) {
+  if (packet.header.length != Leader::kBytes) return std::nullopt;
+  Leader leader;
+  leader.width = get_u16(packet.payload);
+  leader.height = get_u16(packet.payload + 2);
+  leader.format = static_cast<PixelFormat>(packet.payload[4]);
+  leader.configuration = get_u32(packet.payload + 8);
+  const auto expected =
+      packet.header.stream == Stream::kDisparity ? PixelFormat::kDisparity : PixelFormat::kGrey;
+  if (leader.format != expected) return std::nullopt;
+  if (leader.width < kGatewareMinWidth || leader.width > kGatewareMaxWidth) return std::nullopt;
+  if (leader.height < 1 || leader.height > kGatewareMaxHeight) return std::nullopt;
+  return leader;
+}
+
+std::uint32_t signature(const cv::Mat& image) {
+  Signature s;
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      s.add(image.depth() == CV_16U ? image.at<std::uint16_t>(y, x) : image.at<std::uint8_t>(y, x));
+    }
+  }
+  return s.value();
+}
+
+void set_row(const std::uint8_t* bytes, cv::Mat row) {
+  if (row.depth() == CV_8U) {
+    std::memcpy(row.data, bytes, static_cast<std::size_t>(row.cols));
+    return;
+  }
+  for (int x = 0; x < row.cols; ++x) row.at<std::uint16_t>(x) = get_u16(bytes + 2 * x);
+}
+
+std::string flag_names(std::uint32_t flags) {
+  const std::pair<std::uint32_t, const char*> names[] = {
+      {kCutFrame, "the camera's frame was cut"},
+      {kLongFrame, "the camera's frame was too long"},
+      {kBufferError, "the rectification reads beyond the line buffer"},
+      {kOverrun, "the link was too slow"},
+  };
+  std::string text;
+  for (const auto& [flag, name] : names) {
+    if ((flags & flag) != 0) text += (text.empty() ? "" : ", ") + std::string(name);
+    flags &= ~flag;
+  }
+  if (flags != 0) text += (text.empty() ? "" : ", ") + ("flags " + std::to_string(flags));
+  return text;
+}
+
+}  // namespace
+
+const char* name(Stream stream) {
+  static constexpr std::array<const char*, kNumStreams> kNames{
+      "no stream", "disparity", "rectified left", "rectified right",
+      "raw left",  "raw right", "input"};
+  const auto number = static_cast<std::size_t>(stream);
+  return number < kNames.size() ? kNames[number] : "unknown stream";
+}
+
+std::size_t Leader::row_bytes() const { return (width * pixel_bytes(format) + 3) / 4 * 4; }
+
+std::array<std::uint8_t, Leader::kBytes> pack(const Leader& leader) {
+  std::array<std::uint8_t, Leader::kBytes> bytes{};
+  put_u16(&bytes[0], leader.width);
+  put_u16(&bytes[2], leader.height);
+  bytes[4] = static_cast<std::uint8_t>(leader.format);
+  put_u32(&bytes[8], leader.configuration);
+  return bytes;
+}
+
+std::array<std::uint8_t, Trailer::kBytes> pack(const Trailer& trailer) {
+  std::array<std::uint8_t, Trailer::kBytes> bytes{};
+  put_u32(&bytes[0], trailer.rows);
+  put_u32(&bytes[4], trailer.flags);
+  put_u32(&bytes[8], trailer.signature);
+  return bytes;
+}
+
+void append_row(const cv::Mat& row, std::vector<std::uint8_t>& bytes) {
+  for (int x = 0; x < row.cols; ++x) {
+    if (row.depth() == CV_8U) {
+      bytes.push_back(row.at<std::uint8_t>(x));
+    } else {
+      bytes.resize(bytes.size() + 2);
+      put_u16(&*(bytes.end() - 2), row.at<std::uint16_t>(x));
+    }
+  }
+  bytes.resize((bytes.size() + 3) / 4 * 4, 0);
+}
+
+std::string Assembled::text() const {
+  const std::string frame = std::string(name(stream)) + " frame " + std::to_string(frame_id) + " ";
+  const std::string rows =
+      std::to_string(missing_rows) + " of " + std::to_string(height) + " rows are missing";
+  switch (verdict) {
+    case Verdict::kGood:
+      return frame + "is good";
+    case Verdict::kIncomplete:
+      return frame + "is incomplete: " + rows;
+    case Verdict::kRowsMissing:
+      return frame + "dropped: " + rows;
+    case Verdict::kNoTrailer:
+      return frame + "dropped: it did not end";
+    case Verdict::kFlagged:
+      return frame + "dropped: " + flag_names(flags);
+    case Verdict::kBadSignature:
+      return frame + "dropped: its signature is not the board's";
+  }
+  return frame;
+}
+
+void FrameAssembler::add(const Packet& packet, std::vector<Assembled>& out) {
+  const PacketType type = packet.header.type;
+  if (type != PacketType::kLeader && type != PacketType::kRows && type != PacketType::kTrailer) {
+    return;
+  }
+  const auto stream = static_cast<std::size_t>(packet.header.stream);
+  if (stream == 0 || stream >= frames_.size()) {
+    ++counters_.refused;
+    return;
+  }
+  Frame& frame = frames_[stream];
+  if (type == PacketType::kLeader) {
+    if (frame.open) {
+      // A leader that came twice begins nothing.
+      if (frame.assembled.frame_id == packet.header.frame_id) return;
+      finish(frame, Verdict::kNoTrailer, out);
+    }
+    begin(packet, frame);
+    return;
+  }
+  if (!frame.open || frame.assembled.frame_id != packet.header.frame_id) {
+    ++counters_.refused;
+    return;
+  }
+  if (type == PacketType::kRows) {
+    take_rows(packet, frame);
+  } else {
+    end(packet, frame, out);
+  }
+}
+
+void FrameAssembler::begin(const Packet& packet, Frame& frame) {
+  const auto leader = unpack_leader(packet);
+  if (!leader) {
+    ++counters_.refused;
+    return;
+  }
+  frame.open = true;
+  frame.leader = *leader;
+  frame.assembled = {};
+  frame.assembled.stream = packet.header.stream;
+  frame.assembled.frame_id = packet.header.frame_id;
+  frame.assembled.timestamp = packet.header.timestamp;
+  frame.assembled.configuration = leader->configuration;
+  frame.assembled.height = leader->height;
+  const bool wide = leader->format == PixelFormat::kDisparity;
+  frame.assembled.image.create(leader->height, leader->width, wide ? CV_16UC1 : CV_8UC1);
+  frame.have.assign(leader->height, false);
+}
+
+void FrameAssembler::take_rows(const Packet& packet, Frame& frame) {
+  const std::size_t row_bytes = frame.leader.row_bytes();
+  const std::size_t rows = packet.header.length / row_bytes;
+  const std::size_t first = packet.header.index;
+  if (packet.header.length % row_bytes != 0 || first + rows > frame.leader.height) {
+    ++counters_.refused;
+    return;
+  }
+  for (std::size_t i = 0; i < rows; ++i) {
+    set_row(packet.payload + i * row_bytes, frame.assembled.image.row(static_cast<int>(first + i)));
+    frame.have[first + i] = true;
+  }
+}
+
+void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembled>& out) {
+  if (packet.header.length != Trailer::kBytes) {
+    ++counters_.refused;
+    return;
+  }
+  Assembled& assembled = frame.assembled;
+  assembled.flags = get_u32(packet.payload + 4);
+  assembled.missing_rows =
+      static_cast<int>(std::count(frame.have.begin(), frame.have.end(), false));
+  if (assembled.flags != 0) return finish(frame, Verdict::kFlagged, out);
+  if (assembled.missing_rows == 0) {
+    const bool same = signature(assembled.image) == get_u32(packet.payload + 8);
+    return finish(frame, same ? Verdict::kGood : Verdict::kBadSignature, out);
+  }
+  if (!options_.keep_incomplete || assembled.stream != Stream::kDisparity) {
+    return finish(frame, Verdict::kRowsMissing, out);
+  }
+  for (int y = 0; y < assembled.height; ++y) {
+    if (!frame.have[static_cast<std::size_t>(y)]) assembled.image.row(y).setTo(kNoDisparity);
+  }
+  finish(frame, Verdict::kIncomplete, out);
+}
+
+void FrameAssembler::finish(Frame& frame, Verdict verdict, std::vector<Assembled>& out) {
+  frame.open = false;
+  frame.assembled.verdict = verdict;
+  if (verdict == Verdict::kGood) {
+    ++counters_.good;
+  } else if (verdict == Verdict::kIncomplete) {
+    ++counters_.incomplete;
+  } else {
+    ++counters_.dropped;
+    frame.assembled.image.release();
+  }
+  out.push_back(std::move(frame.assembled));
+}
+
+void FrameAssembler::reset(std::vector<Assembled>& out) {
+  for (Frame& frame : frames_) {
+    if (frame.open) finish(frame, Verdict::kNoTrailer, out);
+  }
+}
+
+}  // namespace fpga_stereo::link

@@ -1,0 +1,30 @@
+// What USB and serial lines do to bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+namespace fpga_stereo::test {
+
+using Bytes = std::vector<std::uint8_t>;
+
+enum class Fault {
+  kBitFlip,
+  kByteLost,
+  kByteInserted,
+  kByteDoubled,
+  kRunLost,  // up to 600 bytes
+  kRunDoubled,
+  kGarbage,     // random bytes put in between
+  kFakeSync,    // a sync word and random bytes
+  kFakeHeader,  // an intact header without its payload
+  kZeros,       // bytes that become 0
+};
+constexpr int kNumFaults = 10;
+
+/// Does it to `bytes`, somewhere from `begin` to `end`. What lies outside is only moved.
+void damage(Bytes& bytes, std::size_t begin, std::size_t end, Fault fault, std::mt19937& random);
+
+}  // namespace fpga_stereo::test
