@@ -44,7 +44,7 @@ void set_row(const std::uint8_t* bytes, cv::Mat row) {
     std::memcpy(row.data, bytes, static_cast<std::size_t>(row.cols));
     return;
   }
-  for (int x = 0; x < row.cols; ++x) row.at<std::uint16_t>(x) = get_u16(bytes + 2 * x);
+  for (int x = 0; x < row.cols; ++x, bytes += 2) row.at<std::uint16_t>(x) = get_u16(bytes);
 }
 
 std::string flag_names(std::uint32_t flags) {
@@ -105,7 +105,7 @@ void append_row(const cv::Mat& row, std::vector<std::uint8_t>& bytes) {
 }
 
 std::string Assembled::text() const {
-  const std::string frame = std::string(name(stream)) + " frame " + std::to_string(frame_id) + " ";
+  std::string frame = std::string(name(stream)) + " frame " + std::to_string(frame_id) + " ";
   const std::string rows =
       std::to_string(missing_rows) + " of " + std::to_string(height) + " rows are missing";
   switch (verdict) {
