@@ -13,9 +13,9 @@
 //           stage knows of blanking.
 // Latency   rectify: T_s pixels; census Reach, match CorrelationWindow / 2, spike its look-ahead and
 //           a few more rows; see fpga_fw/README.md.
-// Handshake streams with valid and ready at both ends (fs_stream_fifo); registers on a plain bus
-//           (fs_registers); a configuration takes effect between two frames, when CONTROL.apply
-//           has been written.
+// Handshake streams with valid and ready at both ends (fs_stream_fifo); registers on a plain bus, the
+//           answer two clocks behind read_i (fs_registers); a configuration takes effect between
+//           two frames, when CONTROL.apply has been written.
 // Limits    see the stages.
 module fs_top #(
   parameter int MaxWidth = 640,
@@ -68,7 +68,16 @@ module fs_top #(
   logic [fs_pkg::NumStages+1:0] stage_rst_n;  // the stages', the output's, that of the signatures
   logic first_en, first_rst_n, room;  // a tick; the stages run; there is room behind them
 
-  // Registers and the configuration in effect.
+  // Registers and the configuration in effect. The bus comes from far away: a clock for the way.
+  logic write_q, read_q;
+  logic [7:0] address_q;
+  logic [31:0] data_q;
+  always_ff @(posedge clk_i) begin
+    write_q <= rst_ni & write_i;
+    read_q <= rst_ni & read_i;
+    address_q <= address_i;
+    data_q <= data_i;
+  end
   logic [11:0] width, height, read_pixels;
   logic [7:0] read_rows, disp12_max_diff;
   logic [9:0] uniqueness, speckle_size, speckle_range;
@@ -84,7 +93,8 @@ module fs_top #(
     .CorrelationWindow(CorrelationWindow), .CensusFull(CensusFull), .LineRows(LineRows),
     .MeshNodes(MeshNodes)
   ) u_registers (
-    .clk_i, .rst_ni, .write_i, .read_i, .address_i, .data_i, .read_valid_o, .data_o,
+    .clk_i, .rst_ni, .write_i(write_q), .read_i(read_q), .address_i(address_q), .data_i(data_q),
+    .read_valid_o, .data_o,
     .width_o(width), .height_o(height), .read_pixels_o(read_pixels), .read_rows_o(read_rows),
     .left_right_check_o(left_right_check), .uniqueness_check_o(uniqueness_check),
     .subpixel_o(subpixel), .disp12_max_diff_o(disp12_max_diff), .uniqueness_o(uniqueness),

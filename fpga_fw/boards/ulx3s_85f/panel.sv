@@ -30,7 +30,7 @@ module panel (
   logic [2:0] stage;
   assign stage = hand_q[2:0] - 3'd1;
 
-  logic [2:0] turn_q, asked_q;  // ERRORS, spike, to be shown
+  logic [2:0] turn_q, asking_q, asked_q;  // ERRORS, spike, to be shown; answers 2 clocks behind
   assign address_o = turn_q[0] ? fs_pkg::RegErrors
                      : turn_q[1] ? fs_pkg::RegSignatureSpike
                      : fs_pkg::RegSignatureRectify + 8'(stage);
@@ -40,11 +40,13 @@ module panel (
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       turn_q <= 3'b001;
+      asking_q <= '0;
       asked_q <= '0;
       error_q <= 1'b0;
     end else begin
       if (read_i) turn_q <= {turn_q[1:0], turn_q[2]};
-      asked_q <= read_i ? turn_q : '0;
+      asking_q <= read_i ? turn_q : '0;
+      asked_q <= asking_q;
       if (asked_q[0]) error_q <= |data_i;
     end
     if (asked_q[1]) spike_q <= data_i;

@@ -3,9 +3,9 @@
 // Formula   a transfer is 48 bits while cs_ni is low: command (bit 7 write), word address, data.
 //           Reading: the data of the register is in the last 32 bits of miso_o.
 // Schedule  the pins are sampled by clk_i; a write goes out with its 48th bit; a read with its 16th
-//           bit, and its data is there 4 clocks later
+//           bit, and its data is there 5 clocks later
 // Latency   3 clocks from a pin to its register.
-// Handshake read_o and write_o for one clock; data_i in the clock behind read_o (fs_registers).
+// Handshake read_o and write_o for one clock; data_i two clocks behind read_o (fs_top).
 // Limits    sclk_i at most an eighth of clk_i. A transfer that is cut short does nothing.
 module spi_registers (
   input  logic        clk_i,
@@ -35,7 +35,8 @@ module spi_registers (
   logic [5:0] count_q;  // bits that have come
   logic [46:0] in_q;
   logic [31:0] out_q;
-  logic is_write, got_read_q;
+  logic is_write;
+  logic [1:0] got_read_q;
   assign is_write = in_q[46];
   assign write_o = rises & count_q == 6'd47 & is_write;
   assign read_o = rises & count_q == 6'd15 & ~in_q[14];
@@ -45,13 +46,13 @@ module spi_registers (
   always_ff @(posedge clk_i) begin
     if (!rst_ni || !cs_q[1]) begin
       count_q <= '0;
-      got_read_q <= 1'b0;
+      got_read_q <= '0;
     end else begin
       if (rises && count_q != 6'd48) count_q <= count_q + 6'd1;
-      got_read_q <= read_o;
+      got_read_q <= {got_read_q[0], read_o};
     end
     if (rises) in_q <= {in_q[45:0], mosi_q[1]};
-    if (got_read_q) out_q <= data_i;
+    if (got_read_q[1]) out_q <= data_i;
     else if (falls && count_q != 6'd16) out_q <= {out_q[30:0], 1'b0};
   end
 endmodule
