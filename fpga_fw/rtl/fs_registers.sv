@@ -87,6 +87,17 @@ module fs_registers #(
   if (MeshNodes < 2 || MeshNodes > 65536)
     initial $fatal(1, "fs_registers: MeshNodes is %0d, allowed: 2 to 65536", MeshNodes);
 
+  // The groups of up to eight begin at multiples of eight, so that no address is subtracted.
+  if (fs_pkg::RegWidth % 8 != 0 || fs_pkg::RegFramesIn % 8 != 0 ||
+      fs_pkg::RegSignatureRectify % 8 != 0)
+    initial $fatal(1, "fs_registers: a group of registers does not begin at a multiple of 8");
+  logic [2:0] word;
+  logic at_shadow, at_counters, at_signatures;
+  assign word = address_i[2:0];
+  assign at_shadow = address_i >> 3 == fs_pkg::RegWidth >> 3;
+  assign at_counters = address_i >> 3 == fs_pkg::RegFramesIn >> 3;
+  assign at_signatures = address_i >> 3 == fs_pkg::RegSignatureRectify >> 3;
+
   logic write_control, clear, write_mesh;
   assign write_control = write_i & address_i == fs_pkg::RegControl;
   assign clear = write_control & data_i[fs_pkg::ControlClearLsb];
@@ -133,14 +144,12 @@ module fs_registers #(
       fs_pkg::RegHeightReset, fs_pkg::RegWidthReset};
   logic [Bits-1:0] shadow_q, active_q;
 
-  logic [7:0] word;
   logic write_shadow;
-  assign word = address_i - fs_pkg::RegWidth;
-  assign write_shadow = write_i & word < 8'(Words);
+  assign write_shadow = write_i & at_shadow;
   for (genvar i = 0; i < Words; i++) begin : g_word
     always_ff @(posedge clk_i) begin
       if (!rst_ni) shadow_q[32*i+:32] <= FirstValue[32*i+:32];
-      else if (write_shadow & word == 8'(i)) shadow_q[32*i+:32] <= data_i & Mask[32*i+:32];
+      else if (write_shadow & word == 3'(i)) shadow_q[32*i+:32] <= data_i & Mask[32*i+:32];
     end
   end
 
@@ -254,9 +263,9 @@ module fs_registers #(
 
   // Reading.
   logic [31:0] value;
-  logic [7:0] counter, signature;
-  assign counter = address_i - fs_pkg::RegFramesIn;
-  assign signature = address_i - fs_pkg::RegSignatureRectify;
+  logic [32*8-1:0] counters, signatures;  // up to whole groups
+  assign counters = (32 * 8)'(counters_q);
+  assign signatures = (32 * 8)'(signatures_i);
   always_comb begin
     value = '0;
     case (address_i)
@@ -277,9 +286,9 @@ module fs_registers #(
                 32'(right_q) << fs_pkg::MeshAddressCameraLsb;
       default: ;
     endcase
-    if (word < 8'(Words)) value = shadow_q[32*3'(word)+:32];
-    if (counter < 8'(Counters)) value = counters_q[32*3'(counter)+:32];
-    if (signature < 8'(fs_pkg::NumStages)) value = signatures_i[32*3'(signature)+:32];
+    if (at_shadow) value = shadow_q[32*word+:32];
+    if (at_counters) value = counters[32*word+:32];
+    if (at_signatures) value = signatures[32*word+:32];
   end
   always_ff @(posedge clk_i) begin
     read_valid_o <= rst_ni & read_i;

@@ -29,6 +29,7 @@ module test_pattern #(
   logic [11:0] x_q, y_q;
   logic middle_x_q, middle_y_q;
   logic move, last_x, last_y;
+  logic begins;  // a frame
   assign move = ~valid_o | ready_i;
   assign last_x = x_q == 12'(Width - 1);
   assign last_y = y_q == 12'(Height - 1);
@@ -38,7 +39,9 @@ module test_pattern #(
       y_q <= '0;
       middle_x_q <= 1'b0;
       middle_y_q <= 1'b0;
+      begins <= 1'b1;
     end else if (move) begin
+      begins <= last_x & last_y;
       x_q <= last_x ? '0 : x_q + 12'd1;
       if (x_q == 12'(Width / 4 - 1)) middle_x_q <= 1'b1;
       if (x_q == 12'(3 * Width / 4 - 1)) middle_x_q <= 1'b0;
@@ -53,10 +56,9 @@ module test_pattern #(
   // The pixel. The last 64 right ones are kept.
   (* ram_style = "distributed" *) logic [7:0] memory[0:63];
   logic [5:0] at_q, at, distance;
-  logic many_q, begins;  // 64 pixels of the frame or more; the frame begins
+  logic many_q;  // 64 pixels of the frame or more
   logic [30:0] bits_q, bits;
   logic [7:0] right;
-  assign begins = x_q == '0 && y_q == '0;
   assign at = begins ? '0 : at_q;
   assign distance = middle_x_q & middle_y_q ? 6'(Near) : 6'(Far);
   assign bits = begins ? Seed : bits_q;
