@@ -9,7 +9,7 @@
 //
 // Schedule  reads in turn ERRORS, the signature of spike, the one to be shown; a read_i that is low
 //           costs the turn a clock
-// Handshake data_i is there in the clock behind read_i (fs_registers). eof_i is a pulse per frame.
+// Handshake data_i is there two clocks behind read_i (fs_top). eof_i is a pulse per frame.
 module panel (
   input  logic        clk_i,
   input  logic        rst_ni,

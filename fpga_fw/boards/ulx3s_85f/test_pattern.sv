@@ -29,7 +29,7 @@ module test_pattern #(
   logic [11:0] x_q, y_q;
   logic middle_x_q, middle_y_q;
   logic move, last_x, last_y;
-  logic begins;  // a frame
+  logic begins_q;  // a frame
   assign move = ~valid_o | ready_i;
   assign last_x = x_q == 12'(Width - 1);
   assign last_y = y_q == 12'(Height - 1);
@@ -39,9 +39,9 @@ module test_pattern #(
       y_q <= '0;
       middle_x_q <= 1'b0;
       middle_y_q <= 1'b0;
-      begins <= 1'b1;
+      begins_q <= 1'b1;
     end else if (move) begin
-      begins <= last_x & last_y;
+      begins_q <= last_x & last_y;
       x_q <= last_x ? '0 : x_q + 12'd1;
       if (x_q == 12'(Width / 4 - 1)) middle_x_q <= 1'b1;
       if (x_q == 12'(3 * Width / 4 - 1)) middle_x_q <= 1'b0;
@@ -59,21 +59,21 @@ module test_pattern #(
   logic many_q;  // 64 pixels of the frame or more
   logic [30:0] bits_q, bits;
   logic [7:0] right;
-  assign at = begins ? '0 : at_q;
+  assign at = begins_q ? '0 : at_q;
   assign distance = middle_x_q & middle_y_q ? 6'(Near) : 6'(Far);
-  assign bits = begins ? Seed : bits_q;
+  assign bits = begins_q ? Seed : bits_q;
   assign right = bits[30:23] ^ bits[27:20];
   always_ff @(posedge clk_i) begin
     if (!rst_ni) valid_o <= 1'b0;
     else if (move) valid_o <= 1'b1;
     if (move) begin
       at_q <= at + 6'd1;
-      many_q <= ~begins & (many_q | (&at));
+      many_q <= ~begins_q & (many_q | (&at));
       bits_q <= {bits[22:0], right};
       memory[at] <= right;
       right_o <= right;
-      left_o <= (many_q & ~begins) || at >= distance ? memory[at-distance] : '0;
-      sof_o <= begins;
+      left_o <= (many_q & ~begins_q) || at >= distance ? memory[at-distance] : '0;
+      sof_o <= begins_q;
       eol_o <= last_x;
     end
   end
