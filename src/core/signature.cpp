@@ -38,6 +38,16 @@ std::uint32_t select_word(const Selection& s, int x, int y) {
   return word;
 }
 
+std::uint32_t image_signature(const cv::Mat& image) {
+  Signature s;
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      s.add(image.depth() == CV_16U ? image.at<std::uint16_t>(y, x) : image.at<std::uint8_t>(y, x));
+    }
+  }
+  return s.value();
+}
+
 std::array<std::uint32_t, kNumStages> stage_signatures(const Taps& taps, const Parameters& p) {
   std::array<Signature, kNumStages> signatures;
   const auto add = [&](Stage stage, std::uint32_t word) {

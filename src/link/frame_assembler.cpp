@@ -29,16 +29,6 @@ std::optional<Leader> unpack_leader(const Packet& packet) {
   return leader;
 }
 
-std::uint32_t signature(const cv::Mat& image) {
-  Signature s;
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      s.add(image.depth() == CV_16U ? image.at<std::uint16_t>(y, x) : image.at<std::uint8_t>(y, x));
-    }
-  }
-  return s.value();
-}
-
 void set_row(const std::uint8_t* bytes, cv::Mat row) {
   if (row.depth() == CV_8U) {
     std::memcpy(row.data, bytes, static_cast<std::size_t>(row.cols));
@@ -200,7 +190,7 @@ void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembl
       static_cast<int>(std::count(frame.have.begin(), frame.have.end(), false));
   if (assembled.flags != 0) return finish(frame, Verdict::kFlagged, out);
   if (assembled.missing_rows == 0) {
-    const bool same = signature(assembled.image) == get_u32(packet.payload + 8);
+    const bool same = image_signature(assembled.image) == get_u32(packet.payload + 8);
     return finish(frame, same ? Verdict::kGood : Verdict::kBadSignature, out);
   }
   if (!options_.keep_incomplete || assembled.stream != Stream::kDisparity) {

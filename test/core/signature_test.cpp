@@ -78,6 +78,15 @@ TEST(Signature, SeesEveryBitAndTheOrder) {
   }
 }
 
+TEST(Signature, OfAnImageIsThatOfItsPixelsInRasterOrder) {
+  const cv::Mat1w wide = (cv::Mat1w(2, 3) << 1, 65535, 32, 7, 0, 40000);
+  const cv::Mat1b narrow = (cv::Mat1b(2, 2) << 255, 3, 0, 128);
+  EXPECT_EQ(image_signature(wide), by_division({1, 65535, 32, 7, 0, 40000}));
+  EXPECT_EQ(image_signature(narrow), by_division({255, 3, 0, 128}));
+  // A part of an image, whose rows are not one behind the other.
+  EXPECT_EQ(image_signature(wide.colRange(1, 3)), by_division({65535, 32, 0, 40000}));
+}
+
 TEST(SignatureWord, RectifyByHand) { EXPECT_EQ(rectify_word(0x12, 0xF4), 0x12F4U); }
 
 TEST(SignatureWord, CensusByHand) {

@@ -9,6 +9,7 @@
 #include "fpga_stereo/core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "link/faults.hpp"
+#include "support/compare.hpp"
 
 namespace fpga_stereo::test {
 namespace {
@@ -27,16 +28,6 @@ cv::Mat random_frame(cv::Size size, int type, unsigned seed) {
   cv::RNG rng(seed);
   rng.fill(image, cv::RNG::UNIFORM, 0, type == CV_8UC1 ? 256 : 65536);
   return image;
-}
-
-std::uint32_t signature(const cv::Mat& image) {
-  Signature s;
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      s.add(image.depth() == CV_8U ? image.at<std::uint8_t>(y, x) : image.at<std::uint16_t>(y, x));
-    }
-  }
-  return s.value();
 }
 
 /// A frame's packets, each on its own: leader, rows, trailer.
@@ -72,7 +63,7 @@ std::vector<Bytes> packets(const cv::Mat& image, std::uint64_t frame_id, int row
   Trailer trailer;
   trailer.rows = leader.height;
   trailer.flags = flags;
-  trailer.signature = signature(image);
+  trailer.signature = image_signature(image);
   add(PacketType::kTrailer, 0, pack(trailer));
   return out;
 }
@@ -87,10 +78,6 @@ std::vector<Assembled> assemble(FrameAssembler& assembler, const std::vector<Byt
   return out;
 }
 
-bool equal(const cv::Mat& a, const cv::Mat& b) {
-  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
-}
-
 TEST(FrameAssembler, FramesOfEveryKind) {
   for (const int type : {CV_8UC1, CV_16UC1}) {
     for (const cv::Size size : {cv::Size(16, 1), cv::Size(17, 5), cv::Size(23, 12)}) {
@@ -100,7 +87,7 @@ TEST(FrameAssembler, FramesOfEveryKind) {
         const auto out = assemble(assembler, packets(image, ~std::uint64_t{0}, rows_each));
         ASSERT_EQ(out.size(), 1U);
         EXPECT_EQ(out[0].verdict, Verdict::kGood);
-        EXPECT_TRUE(equal(out[0].image, image));
+        EXPECT_TRUE(same("frame", image, out[0].image));
         EXPECT_EQ(out[0].frame_id, ~std::uint64_t{0});
         EXPECT_EQ(out[0].configuration, 42U);
         EXPECT_EQ(assembler.counters().refused, 0U);
@@ -121,8 +108,8 @@ TEST(FrameAssembler, StreamsInterleave) {
   }
   const auto out = assemble(assembler, both);
   ASSERT_EQ(out.size(), 2U);
-  EXPECT_TRUE(equal(out[0].image, disparity));
-  EXPECT_TRUE(equal(out[1].image, left));
+  EXPECT_TRUE(same("frame", disparity, out[0].image));
+  EXPECT_TRUE(same("frame", left, out[1].image));
 }
 
 TEST(FrameAssembler, MissingRows) {
@@ -142,7 +129,7 @@ TEST(FrameAssembler, MissingRows) {
   EXPECT_EQ(out[0].verdict, Verdict::kIncomplete);
   cv::Mat expected = image.clone();
   expected.rowRange(1, 3).setTo(kNoDisparity);
-  EXPECT_TRUE(equal(out[0].image, expected));
+  EXPECT_TRUE(same("frame", expected, out[0].image));
   EXPECT_EQ(lenient.counters().incomplete, 1U);
 
   // A grey image has no value for "none".
@@ -180,7 +167,7 @@ TEST(FrameAssembler, DoubledPackets) {
   for (const Bytes& packet : packets(image, 1)) sent.insert(sent.end(), 2, packet);
   const auto out = assemble(assembler, sent);
   ASSERT_EQ(out.size(), 1U);
-  EXPECT_TRUE(equal(out[0].image, image));
+  EXPECT_TRUE(same("frame", image, out[0].image));
 }
 
 TEST(FrameAssembler, FramesThatTheBoardCallsBad) {
@@ -305,7 +292,7 @@ TEST(FrameAssembler, DamagedStreamsGiveGoodFramesOrNone) {
       }
       ++good;
       ASSERT_LT(out.frame_id, images.size());
-      ASSERT_TRUE(equal(out.image, images[out.frame_id])) << round;
+      ASSERT_TRUE(same("frame", images[out.frame_id], out.image)) << round;
     }
   }
   EXPECT_GT(good, 3000);

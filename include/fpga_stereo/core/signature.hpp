@@ -34,6 +34,9 @@ std::uint32_t census_word(const std::uint32_t* left, const std::uint32_t* right,
 std::uint32_t match_word(const cv::Mat1w& sums, int x);
 std::uint32_t select_word(const Selection& s, int x, int y);
 
+/// Of an image (8UC1 or 16UC1), its pixels as words.
+std::uint32_t image_signature(const cv::Mat& image);
+
 /// The signatures of a frame, by Stage. The sums of match are no tap: they are computed again.
 std::array<std::uint32_t, kNumStages> stage_signatures(const Taps& taps, const Parameters& p);
 
