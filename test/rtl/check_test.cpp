@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "Check128.h"
 #include "Check16.h"
@@ -30,10 +29,6 @@ constexpr Build kBuild<Check64>{64, 6, 13};
 template <>
 constexpr Build kBuild<Check128>{128, 7, 15};
 
-int factor(const Parameters& p) {
-  return static_cast<int>(std::lround(256 * (1 + p.uniqueness_ratio / 100)));
-}
-
 /// Runs the frames through the model and compares what is kept; winner and around must pass.
 template <class Model>
 RasterResult compare(const std::vector<Selection>& frames, const Parameters& p, Raster raster) {
@@ -52,7 +47,7 @@ RasterResult compare(const std::vector<Selection>& frames, const Parameters& p, 
   model.left_right_check_i = p.left_right_check;
   model.uniqueness_check_i = p.uniqueness_check;
   model.disp12_max_diff_i = p.disp12MaxDiff;
-  model.uniqueness_i = factor(p);
+  model.uniqueness_i = uniqueness_factor(p);
   const RasterResult result = run_raster(
       model, raster, static_cast<int>(frames.size()),
       [&](int frame, int x, int y) {
@@ -114,7 +109,8 @@ class RtlCheck : public ::testing::Test {
         s.right_winner(y, x) = static_cast<std::uint8_t>(below(kRange));
         for (int k = 0; k < 5; ++k) s.around(y, x)[k] = static_cast<std::uint16_t>(below(kLargest));
         const int v1 = below(4) == 0 ? below(3) : below(kLargest + 1);
-        const int v2 = below(8) == 0 ? below(kLargest + 1) : factor(p) * v1 / 256 + below(3) - 1;
+        const int v2 =
+            below(8) == 0 ? below(kLargest + 1) : uniqueness_factor(p) * v1 / 256 + below(3) - 1;
         s.winner_sum(y, x) = static_cast<std::uint16_t>(v1);
         s.rival_sum(y, x) = static_cast<std::uint16_t>(std::clamp(v2, 0, kLargest));
       }
@@ -158,7 +154,7 @@ TYPED_TEST(RtlCheck, EveryUniquenessRatio) {
     Parameters p = this->parameters();
     p.left_right_check = false;
     p.uniqueness_ratio = ratio;
-    ASSERT_LT(factor(p), 1024);
+    ASSERT_LT(uniqueness_factor(p), 1024);
     compare<TypeParam>({this->random({64, 40}, static_cast<unsigned>(ratio), p)}, p, {});
   }
 }

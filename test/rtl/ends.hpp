@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "fpga_stereo/core/spec.hpp"
+#include "rtl/register_bus.hpp"
 
 namespace fpga_stereo::test::ends {
 
@@ -218,19 +219,12 @@ class Bench {
   }
 
   void write(std::uint32_t address, std::uint32_t data) {
-    model.write_i = 1;
-    model.address_i = address;
-    model.data_i = data;
-    clock();
-    model.write_i = 0;
+    write_register(
+        model, [this] { clock(); }, address, data);
   }
   std::uint32_t read(std::uint32_t address) {
-    model.read_i = 1;
-    model.address_i = address;
-    clock();
-    model.read_i = 0;
-    EXPECT_TRUE(model.read_valid_o);
-    return model.data_o;
+    return read_register(
+        model, [this] { clock(); }, address);
   }
   bool pending() { return spec::kStatusPending.get(read(spec::kRegStatus)) != 0; }
   bool busy() { return spec::kStatusBusy.get(read(spec::kRegStatus)) != 0; }

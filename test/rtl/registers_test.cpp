@@ -12,6 +12,7 @@
 #include "RegistersLarge.h"
 #include "RegistersSmall.h"
 #include "fpga_stereo/core/spec.hpp"
+#include "rtl/register_bus.hpp"
 
 namespace fpga_stereo::test {
 namespace {
@@ -45,19 +46,12 @@ class Bus {
     }
   }
   void write(std::uint32_t address, std::uint32_t data) {
-    model.write_i = 1;
-    model.address_i = address;
-    model.data_i = data;
-    clock();
-    model.write_i = 0;
+    write_register(
+        model, [this] { clock(); }, address, data);
   }
   std::uint32_t read(std::uint32_t address) {
-    model.read_i = 1;
-    model.address_i = address;
-    clock();
-    model.read_i = 0;
-    EXPECT_TRUE(model.read_valid_o);
-    return model.data_o;
+    return read_register(
+        model, [this] { clock(); }, address);
   }
   void apply() { write(spec::kRegControl, spec::kControlApply.put(1)); }
   /// As fs_input answers.
