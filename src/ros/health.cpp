@@ -10,7 +10,7 @@ DropCause cause_of(ErrorKind kind) {
       return DropCause::kCalibration;
     case ErrorKind::kImageSize:
       return DropCause::kImageSize;
-    case ErrorKind::kInvalid:
+    default:
       break;
   }
   return DropCause::kEncoding;

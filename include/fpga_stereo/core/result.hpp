@@ -13,6 +13,14 @@ enum class ErrorKind {
   kUncalibrated,  // a camera that nobody has calibrated yet
   kCalibration,   // a calibration that cannot be used
   kImageSize,     // an image whose size is not the expected one
+  // Of a link.
+  kNotFound,      // no such device
+  kBusy,          // another program has the device
+  kPermission,    // the device may not be opened
+  kGone,          // the device was unplugged
+  kIo,            // the line does not work
+  kIncompatible,  // a board that this software cannot work with
+  kTimeout,       // no answer in time
 };
 
 struct Error {
