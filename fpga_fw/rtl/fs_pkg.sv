@@ -6,7 +6,7 @@
 /* verilator lint_off UNUSEDPARAM */  // no design uses every name
 package fs_pkg;
   // The specification hash.
-  localparam logic [31:0] SpecHash = 32'hB018FDF5;
+  localparam logic [31:0] SpecHash = 32'hF0371353;
 
   // Stages, in data order.
   localparam int StageRectify = 0;   // both images onto common rows
@@ -41,9 +41,45 @@ package fs_pkg;
   localparam logic [31:0] SignatureStart = 32'hFFFFFFFF;       // before the first pixel
   localparam int RegisterBits = 32;                            // of a register
   localparam int RegisterAddressBits = 8;                      // of a word address
+  localparam logic [31:0] LinkSync = 32'hA75346D5;             // first word of a packet
+  localparam logic [7:0] LinkVersion = 8'h01;                  // of the packets
+  localparam int LinkHeaderBytes = 36;                         // before the payload
+  localparam int LinkMaxPayloadBytes = 8192;                   // of a packet of the board
+  localparam int LinkMaxHostPayloadBytes = 4096;               // of a packet of the host
+  localparam int LinkMaxRequestBytes = 1024;                   // of payload of a request
+  localparam logic [31:0] LinkFirstSequence = 32'hFFFFFFF0;    // number of the first packet
+  localparam logic [31:0] LinkFirstFrame = 32'hFFFFFFF0;       // low word; the high one is all ones
+  localparam logic [7:0] LinkFirstRegister = 8'h60;            // registers from here: the link's
+  localparam int HeartbeatMs = 500;                            // between signs of life, both ways
+  localparam int HostTimeoutMs = 2000;                         // of silence, and the board stops
+  localparam logic [7:0] PacketReadRegisters = 8'h01;          // host
+  localparam logic [7:0] PacketWriteRegisters = 8'h02;         // host
+  localparam logic [7:0] PacketWriteMesh = 8'h03;              // host
+  localparam logic [7:0] PacketLeader = 8'h10;                 // both
+  localparam logic [7:0] PacketRows = 8'h11;                   // both
+  localparam logic [7:0] PacketTrailer = 8'h12;                // both
+  localparam logic [7:0] PacketRegisters = 8'h81;              // board: what was read
+  localparam logic [7:0] PacketWritten = 8'h82;                // board: what was written
+  localparam logic [7:0] PacketRefused = 8'h83;                // board: no request that it knows
+  localparam logic [7:0] PacketHeartbeat = 8'h84;              // board
+  localparam logic [7:0] StreamDisparity = 8'h01;              // of frames
+  localparam logic [7:0] StreamRectifiedLeft = 8'h02;          // of frames
+  localparam logic [7:0] StreamRectifiedRight = 8'h03;         // of frames
+  localparam logic [7:0] StreamRawLeft = 8'h04;                // of frames
+  localparam logic [7:0] StreamRawRight = 8'h05;               // of frames
+  localparam logic [7:0] StreamInput = 8'h06;                  // pairs, from the host
+  localparam logic [7:0] FormatDisparity = 8'h01;              // of pixels: u16
+  localparam logic [7:0] FormatGrey = 8'h02;                   // of pixels: u8
+  localparam logic [31:0] FrameCut = 32'h00000001;             // trailer: too few pixels came
+  localparam logic [31:0] FrameLong = 32'h00000002;            // trailer: too many came
+  localparam logic [31:0] FrameBufferError = 32'h00000004;     // trailer: ERRORS.buffer_...
+  localparam logic [31:0] FrameOverrun = 32'h00000008;         // trailer: the link was too slow
+  localparam logic [31:0] RefusedVersion = 32'h00000001;       // why: not this version
+  localparam logic [31:0] RefusedType = 32'h00000002;          // why: no such type
+  localparam logic [31:0] RefusedLength = 32'h00000003;        // why: not with this length
 
   // Registers: word address, reset value, fields.
-  localparam int NumRegisters = 33;
+  localparam int NumRegisters = 45;
 
   // IDENTITY (ro): "FST1", F in the top byte
   localparam logic [7:0] RegIdentity = 8'h00;
@@ -51,7 +87,7 @@ package fs_pkg;
 
   // SPEC_HASH (ro): of the specification that the gateware was made from
   localparam logic [7:0] RegSpecHash = 8'h01;
-  localparam logic [31:0] RegSpecHashReset = 32'hB018FDF5;
+  localparam logic [31:0] RegSpecHashReset = 32'hF0371353;
 
   // VERSION (ro): of protocol and gateware
   localparam logic [7:0] RegVersion = 8'h02;
@@ -184,6 +220,11 @@ package fs_pkg;
   localparam int MeshDataDyLsb = 16;
   localparam int MeshDataDyBits = 16;
 
+  // MESH_SIGNATURE (ro): signature, as below, of the words written to MESH_DATA since MESH_ADDRESS
+  // was: how a mesh is read back
+  localparam logic [7:0] RegMeshSignature = 8'h22;
+  localparam logic [31:0] RegMeshSignatureReset = 32'hFFFFFFFF;
+
   // FRAMES_IN (ro): frames that have started at the input
   localparam logic [7:0] RegFramesIn = 8'h30;
   localparam logic [31:0] RegFramesInReset = 32'h00000000;
@@ -241,5 +282,68 @@ package fs_pkg;
   // SIGNATURE_SPIKE (ro): the disparity
   localparam logic [7:0] RegSignatureSpike = 8'h46;
   localparam logic [31:0] RegSignatureSpikeReset = 32'h00000000;
+
+  // BUILD_STREAMS (ro): what this build can send and take: bit s for stream s
+  localparam logic [7:0] RegBuildStreams = 8'h60;
+  localparam int BuildStreamsStreamsLsb = 0;
+  localparam int BuildStreamsStreamsBits = 8;
+
+  // BUILD_CLOCK (ro): Hz, of the pixels
+  localparam logic [7:0] RegBuildClock = 8'h61;
+
+  // STREAMS (rw): what is sent: bit s for stream s
+  localparam logic [7:0] RegStreams = 8'h62;
+  localparam logic [31:0] RegStreamsReset = 32'h00000000;
+  localparam int StreamsDisparityLsb = 1;
+  localparam int StreamsDisparityBits = 1;
+  localparam int StreamsRectifiedLeftLsb = 2;
+  localparam int StreamsRectifiedLeftBits = 1;
+  localparam int StreamsRectifiedRightLsb = 3;
+  localparam int StreamsRectifiedRightBits = 1;
+  localparam int StreamsRawLeftLsb = 4;
+  localparam int StreamsRawLeftBits = 1;
+  localparam int StreamsRawRightLsb = 5;
+  localparam int StreamsRawRightBits = 1;
+
+  // FRAME_INTERVAL (rw): of how many pairs one is sent
+  localparam logic [7:0] RegFrameInterval = 8'h63;
+  localparam logic [31:0] RegFrameIntervalReset = 32'h00010001;
+  localparam int FrameIntervalPairsLsb = 0;
+  localparam int FrameIntervalPairsBits = 16;
+  localparam int FrameIntervalRawLsb = 16;
+  localparam int FrameIntervalRawBits = 16;
+
+  // INPUT (rw): where raw pixels come from
+  localparam logic [7:0] RegInput = 8'h64;
+  localparam logic [31:0] RegInputReset = 32'h00000000;
+  localparam int InputHostLsb = 0;
+  localparam int InputHostBits = 1;
+
+  // MID_EXPOSURE (rw): from the middle of the exposure to the first pixel: subtracted from
+  // timestamps
+  localparam logic [7:0] RegMidExposure = 8'h65;
+  localparam logic [31:0] RegMidExposureReset = 32'h00000000;
+  localparam int MidExposureUsLsb = 0;
+  localparam int MidExposureUsBits = 24;
+
+  // CONFIGURATION (ro): applies that took effect, since the reset, modulo 2^32
+  localparam logic [7:0] RegConfiguration = 8'h66;
+  localparam logic [31:0] RegConfigurationReset = 32'h00000000;
+
+  // FRAMES_DROPPED (ro): frames, of any stream, that the link was too slow for, since CONTROL.clear
+  localparam logic [7:0] RegFramesDropped = 8'h67;
+  localparam logic [31:0] RegFramesDroppedReset = 32'h00000000;
+
+  // BAD_PACKETS (ro): sync words of the host with no intact packet behind, since CONTROL.clear
+  localparam logic [7:0] RegBadPackets = 8'h68;
+  localparam logic [31:0] RegBadPacketsReset = 32'h00000000;
+
+  // LOST_PACKETS (ro): gaps in the host's sequence, in packets, since CONTROL.clear
+  localparam logic [7:0] RegLostPackets = 8'h69;
+  localparam logic [31:0] RegLostPacketsReset = 32'h00000000;
+
+  // INPUT_ERRORS (ro): pairs from the host that lacked rows or a trailer, since CONTROL.clear
+  localparam logic [7:0] RegInputErrors = 8'h6A;
+  localparam logic [31:0] RegInputErrorsReset = 32'h00000000;
 endpackage
 /* verilator lint_on UNUSEDPARAM */

@@ -205,6 +205,7 @@ module fs_registers #(
   // Meshes.
   logic [15:0] node_q;
   logic right_q;
+  logic [31:0] mesh_signature_q;
   always_ff @(posedge clk_i) begin
     if (write_i & address_i == fs_pkg::RegMeshAddress) begin
       node_q <= 16'(data_i >> fs_pkg::MeshAddressNodeLsb);
@@ -212,6 +213,11 @@ module fs_registers #(
     end else if (write_mesh) begin
       node_q <= node_q + 16'd1;
     end
+    if (write_i & address_i == fs_pkg::RegMeshAddress)
+      mesh_signature_q <= fs_pkg::SignatureStart;
+    else if (write_mesh)
+      mesh_signature_q <= (mesh_signature_q << 1) ^
+          (mesh_signature_q[31] ? fs_pkg::SignaturePolynomial : '0) ^ data_i;
     mesh_we_o <= rst_ni & write_mesh & {1'b0, node_q} < 17'(MeshNodes);
     mesh_right_o <= right_q;
     mesh_node_o <= NodeBits'(node_q);
@@ -219,6 +225,7 @@ module fs_registers #(
     if (!rst_ni) begin
       node_q <= '0;
       right_q <= 1'b0;
+      mesh_signature_q <= fs_pkg::SignatureStart;
     end
   end
 
@@ -284,6 +291,7 @@ module fs_registers #(
       fs_pkg::RegMeshAddress:
         value = 32'(node_q) << fs_pkg::MeshAddressNodeLsb |
                 32'(right_q) << fs_pkg::MeshAddressCameraLsb;
+      fs_pkg::RegMeshSignature: value = mesh_signature_q;
       default: ;
     endcase
     if (at_shadow) value = shadow_q[32*word+:32];

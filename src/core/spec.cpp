@@ -96,6 +96,9 @@ const std::vector<Register>& register_table() {
            {"dx", kMeshDataDx, "", "to the right"},
            {"dy", kMeshDataDy, "", "down"},
        }},
+      {"MESH_SIGNATURE", kRegMeshSignature, Access::kReadOnly, kRegMeshSignatureReset,
+       "signature, as below, of the words written to MESH_DATA since MESH_ADDRESS was: how a mesh is read back", {
+       }},
       {"FRAMES_IN", kRegFramesIn, Access::kReadOnly, kRegFramesInReset,
        "frames that have started at the input", {
        }},
@@ -137,6 +140,49 @@ const std::vector<Register>& register_table() {
        }},
       {"SIGNATURE_SPIKE", kRegSignatureSpike, Access::kReadOnly, kRegSignatureSpikeReset,
        "the disparity", {
+       }},
+      {"BUILD_STREAMS", kRegBuildStreams, Access::kReadOnly, {},
+       "what this build can send and take: bit s for stream s", {
+           {"streams", kBuildStreamsStreams, "", "a bit each"},
+       }},
+      {"BUILD_CLOCK", kRegBuildClock, Access::kReadOnly, {},
+       "Hz, of the pixels", {
+       }},
+      {"STREAMS", kRegStreams, Access::kReadWrite, kRegStreamsReset,
+       "what is sent: bit s for stream s", {
+           {"disparity", kStreamsDisparity, "", "1 sent"},
+           {"rectified_left", kStreamsRectifiedLeft, "", "1 sent"},
+           {"rectified_right", kStreamsRectifiedRight, "", "1 sent"},
+           {"raw_left", kStreamsRawLeft, "", "1 sent"},
+           {"raw_right", kStreamsRawRight, "", "1 sent"},
+       }},
+      {"FRAME_INTERVAL", kRegFrameInterval, Access::kReadWrite, kRegFrameIntervalReset,
+       "of how many pairs one is sent", {
+           {"pairs", kFrameIntervalPairs, "", "1 or more; 0 acts as 1"},
+           {"raw", kFrameIntervalRaw, "", "raw images only of one in so many of those that are sent; 0 acts as 1"},
+       }},
+      {"INPUT", kRegInput, Access::kReadWrite, kRegInputReset,
+       "where raw pixels come from", {
+           {"host", kInputHost, "", "1 stream input of the link, 0 the cameras"},
+       }},
+      {"MID_EXPOSURE", kRegMidExposure, Access::kReadWrite, kRegMidExposureReset,
+       "from the middle of the exposure to the first pixel: subtracted from timestamps", {
+           {"us", kMidExposureUs, "", "us"},
+       }},
+      {"CONFIGURATION", kRegConfiguration, Access::kReadOnly, kRegConfigurationReset,
+       "applies that took effect, since the reset, modulo 2^32", {
+       }},
+      {"FRAMES_DROPPED", kRegFramesDropped, Access::kReadOnly, kRegFramesDroppedReset,
+       "frames, of any stream, that the link was too slow for, since CONTROL.clear", {
+       }},
+      {"BAD_PACKETS", kRegBadPackets, Access::kReadOnly, kRegBadPacketsReset,
+       "sync words of the host with no intact packet behind, since CONTROL.clear", {
+       }},
+      {"LOST_PACKETS", kRegLostPackets, Access::kReadOnly, kRegLostPacketsReset,
+       "gaps in the host's sequence, in packets, since CONTROL.clear", {
+       }},
+      {"INPUT_ERRORS", kRegInputErrors, Access::kReadOnly, kRegInputErrorsReset,
+       "pairs from the host that lacked rows or a trailer, since CONTROL.clear", {
        }},
   };
   // clang-format on

@@ -49,9 +49,45 @@ constexpr std::uint32_t kSignaturePolynomial = 0x1EDC6F41;  // CRC-32C, without 
 constexpr std::uint32_t kSignatureStart = 0xFFFFFFFF;       // before the first pixel
 constexpr int kRegisterBits = 32;                           // of a register
 constexpr int kRegisterAddressBits = 8;                     // of a word address
+constexpr std::uint32_t kLinkSync = 0xA75346D5;             // first word of a packet
+constexpr std::uint8_t kLinkVersion = 0x01;                 // of the packets
+constexpr int kLinkHeaderBytes = 36;                        // before the payload
+constexpr int kLinkMaxPayloadBytes = 8192;                  // of a packet of the board
+constexpr int kLinkMaxHostPayloadBytes = 4096;              // of a packet of the host
+constexpr int kLinkMaxRequestBytes = 1024;                  // of payload of a request
+constexpr std::uint32_t kLinkFirstSequence = 0xFFFFFFF0;    // number of the first packet
+constexpr std::uint32_t kLinkFirstFrame = 0xFFFFFFF0;       // low word; the high one is all ones
+constexpr std::uint8_t kLinkFirstRegister = 0x60;           // registers from here: the link's
+constexpr int kHeartbeatMs = 500;                           // between signs of life, both ways
+constexpr int kHostTimeoutMs = 2000;                        // of silence, and the board stops
+constexpr std::uint8_t kPacketReadRegisters = 0x01;         // host
+constexpr std::uint8_t kPacketWriteRegisters = 0x02;        // host
+constexpr std::uint8_t kPacketWriteMesh = 0x03;             // host
+constexpr std::uint8_t kPacketLeader = 0x10;                // both
+constexpr std::uint8_t kPacketRows = 0x11;                  // both
+constexpr std::uint8_t kPacketTrailer = 0x12;               // both
+constexpr std::uint8_t kPacketRegisters = 0x81;             // board: what was read
+constexpr std::uint8_t kPacketWritten = 0x82;               // board: what was written
+constexpr std::uint8_t kPacketRefused = 0x83;               // board: no request that it knows
+constexpr std::uint8_t kPacketHeartbeat = 0x84;             // board
+constexpr std::uint8_t kStreamDisparity = 0x01;             // of frames
+constexpr std::uint8_t kStreamRectifiedLeft = 0x02;         // of frames
+constexpr std::uint8_t kStreamRectifiedRight = 0x03;        // of frames
+constexpr std::uint8_t kStreamRawLeft = 0x04;               // of frames
+constexpr std::uint8_t kStreamRawRight = 0x05;              // of frames
+constexpr std::uint8_t kStreamInput = 0x06;                 // pairs, from the host
+constexpr std::uint8_t kFormatDisparity = 0x01;             // of pixels: u16
+constexpr std::uint8_t kFormatGrey = 0x02;                  // of pixels: u8
+constexpr std::uint32_t kFrameCut = 0x00000001;             // trailer: too few pixels came
+constexpr std::uint32_t kFrameLong = 0x00000002;            // trailer: too many came
+constexpr std::uint32_t kFrameBufferError = 0x00000004;     // trailer: ERRORS.buffer_...
+constexpr std::uint32_t kFrameOverrun = 0x00000008;         // trailer: the link was too slow
+constexpr std::uint32_t kRefusedVersion = 0x00000001;       // why: not this version
+constexpr std::uint32_t kRefusedType = 0x00000002;          // why: no such type
+constexpr std::uint32_t kRefusedLength = 0x00000003;        // why: not with this length
 
 /// The specification hash: software and gateware of different ones do not work together.
-constexpr std::uint32_t kSpecHash = 0xB018FDF5;
+constexpr std::uint32_t kSpecHash = 0xF0371353;
 
 /// The register map of the gateware.
 namespace spec {
@@ -92,7 +128,7 @@ constexpr std::uint32_t kRegIdentity = 0x00;
 constexpr std::uint32_t kRegIdentityReset = 0x46535431;
 
 constexpr std::uint32_t kRegSpecHash = 0x01;
-constexpr std::uint32_t kRegSpecHashReset = 0xB018FDF5;
+constexpr std::uint32_t kRegSpecHashReset = 0xF0371353;
 
 constexpr std::uint32_t kRegVersion = 0x02;
 constexpr std::uint32_t kRegVersionReset = 0x00000001;
@@ -175,6 +211,9 @@ constexpr std::uint32_t kRegMeshDataReset = 0x00000000;
 constexpr Field kMeshDataDx{0, 16};
 constexpr Field kMeshDataDy{16, 16};
 
+constexpr std::uint32_t kRegMeshSignature = 0x22;
+constexpr std::uint32_t kRegMeshSignatureReset = 0xFFFFFFFF;
+
 constexpr std::uint32_t kRegFramesIn = 0x30;
 constexpr std::uint32_t kRegFramesInReset = 0x00000000;
 
@@ -216,6 +255,47 @@ constexpr std::uint32_t kRegSignatureSubpixelReset = 0x00000000;
 
 constexpr std::uint32_t kRegSignatureSpike = 0x46;
 constexpr std::uint32_t kRegSignatureSpikeReset = 0x00000000;
+
+constexpr std::uint32_t kRegBuildStreams = 0x60;
+constexpr Field kBuildStreamsStreams{0, 8};
+
+constexpr std::uint32_t kRegBuildClock = 0x61;
+
+constexpr std::uint32_t kRegStreams = 0x62;
+constexpr std::uint32_t kRegStreamsReset = 0x00000000;
+constexpr Field kStreamsDisparity{1, 1};
+constexpr Field kStreamsRectifiedLeft{2, 1};
+constexpr Field kStreamsRectifiedRight{3, 1};
+constexpr Field kStreamsRawLeft{4, 1};
+constexpr Field kStreamsRawRight{5, 1};
+
+constexpr std::uint32_t kRegFrameInterval = 0x63;
+constexpr std::uint32_t kRegFrameIntervalReset = 0x00010001;
+constexpr Field kFrameIntervalPairs{0, 16};
+constexpr Field kFrameIntervalRaw{16, 16};
+
+constexpr std::uint32_t kRegInput = 0x64;
+constexpr std::uint32_t kRegInputReset = 0x00000000;
+constexpr Field kInputHost{0, 1};
+
+constexpr std::uint32_t kRegMidExposure = 0x65;
+constexpr std::uint32_t kRegMidExposureReset = 0x00000000;
+constexpr Field kMidExposureUs{0, 24};
+
+constexpr std::uint32_t kRegConfiguration = 0x66;
+constexpr std::uint32_t kRegConfigurationReset = 0x00000000;
+
+constexpr std::uint32_t kRegFramesDropped = 0x67;
+constexpr std::uint32_t kRegFramesDroppedReset = 0x00000000;
+
+constexpr std::uint32_t kRegBadPackets = 0x68;
+constexpr std::uint32_t kRegBadPacketsReset = 0x00000000;
+
+constexpr std::uint32_t kRegLostPackets = 0x69;
+constexpr std::uint32_t kRegLostPacketsReset = 0x00000000;
+
+constexpr std::uint32_t kRegInputErrors = 0x6A;
+constexpr std::uint32_t kRegInputErrorsReset = 0x00000000;
 
 }  // namespace spec
 }  // namespace fpga_stereo

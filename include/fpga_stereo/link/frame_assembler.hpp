@@ -16,8 +16,8 @@
 namespace fpga_stereo::link {
 
 enum class PixelFormat : std::uint8_t {
-  kDisparity = 1,  // u16, 1/32 px, 65535 = none
-  kGrey = 2,       // u8
+  kDisparity = kFormatDisparity,  // u16, 1/32 px, 65535 = none
+  kGrey = kFormatGrey,            // u8
 };
 
 /// Payload of PacketType::kLeader:
@@ -40,10 +40,10 @@ struct Leader {
 
 /// Why a board calls its own frame bad: bits of Trailer::flags.
 enum FrameFlag : std::uint32_t {
-  kCutFrame = 1,     // the camera's frame had too few pixels
-  kLongFrame = 2,    // or too many
-  kBufferError = 4,  // rectify read what its line buffer did not hold
-  kOverrun = 8,      // the link was too slow: the board dropped the rest of the frame
+  kCutFrame = kFrameCut,             // the camera's frame had too few pixels
+  kLongFrame = kFrameLong,           // or too many
+  kBufferError = kFrameBufferError,  // rectify read what its line buffer did not hold
+  kOverrun = kFrameOverrun,          // the link was too slow: the board dropped the rest of it
 };
 
 /// Payload of PacketType::kTrailer:

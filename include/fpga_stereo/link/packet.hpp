@@ -11,41 +11,42 @@
 #include <optional>
 #include <vector>
 
+#include "fpga_stereo/core/spec.hpp"
+
 namespace fpga_stereo::link {
 
-constexpr std::uint32_t kSync = 0xA75346D5;
-constexpr std::uint8_t kVersion = 1;
-constexpr std::size_t kHeaderBytes = 36;
+constexpr std::uint32_t kSync = kLinkSync;
+constexpr std::uint8_t kVersion = kLinkVersion;
+constexpr std::size_t kHeaderBytes = kLinkHeaderBytes;
 constexpr std::size_t kCrcBytes = 4;
-constexpr std::size_t kMaxPayloadBytes = 8192;
+constexpr std::size_t kMaxPayloadBytes = kLinkMaxPayloadBytes;
 constexpr std::size_t kMaxPacketBytes = kHeaderBytes + kMaxPayloadBytes + kCrcBytes;
 
 enum class PacketType : std::uint8_t {
   // Host to board.
-  kReadRegisters = 0x01,
-  kWriteRegisters = 0x02,
-  kWriteMesh = 0x03,
-  kHostHeartbeat = 0x04,
+  kReadRegisters = kPacketReadRegisters,
+  kWriteRegisters = kPacketWriteRegisters,
+  kWriteMesh = kPacketWriteMesh,
   // Both ways.
-  kLeader = 0x10,
-  kRows = 0x11,
-  kTrailer = 0x12,
+  kLeader = kPacketLeader,
+  kRows = kPacketRows,
+  kTrailer = kPacketTrailer,
   // Board to host.
-  kRegisters = 0x81,
-  kWritten = 0x82,
-  kRefused = 0x83,
-  kBoardHeartbeat = 0x84,
+  kRegisters = kPacketRegisters,
+  kWritten = kPacketWritten,
+  kRefused = kPacketRefused,
+  kHeartbeat = kPacketHeartbeat,
 };
 
 /// What a leader, rows or a trailer are of; 0 in all other packets.
 enum class Stream : std::uint8_t {
   kNone = 0,
-  kDisparity = 1,
-  kRectifiedLeft = 2,
-  kRectifiedRight = 3,
-  kRawLeft = 4,
-  kRawRight = 5,
-  kInput = 6,  // host to board: pairs, of each row the left one, then the right one
+  kDisparity = kStreamDisparity,
+  kRectifiedLeft = kStreamRectifiedLeft,
+  kRectifiedRight = kStreamRectifiedRight,
+  kRawLeft = kStreamRawLeft,
+  kRawRight = kStreamRawRight,
+  kInput = kStreamInput,  // host to board: pairs, of each row the left one, then the right one
 };
 constexpr int kNumStreams = 7;
 
@@ -69,7 +70,7 @@ constexpr int kNumStreams = 7;
 /// another.
 struct Header {
   std::uint8_t version = kVersion;
-  PacketType type = PacketType::kHostHeartbeat;
+  PacketType type = PacketType::kHeartbeat;
   std::uint8_t flags = 0;
   Stream stream = Stream::kNone;
   std::uint16_t length = 0;
