@@ -107,17 +107,8 @@ Status Gateware::check_identity(const std::string& path) {
 }
 
 void Gateware::read_build() {
-  const std::uint32_t build = read(spec::kRegBuild);
-  const auto field = [&](spec::Field f) { return static_cast<int>(f.get(build)); };
-  build_.max_width = field(spec::kBuildMaxWidth);
-  build_.disparities = field(spec::kBuildDisparities);
-  if (build_.disparities == 0) build_.disparities = 1 << spec::kBuildDisparities.bits;
-  build_.census_window = field(spec::kBuildCensusWindow);
-  build_.correlation_window = field(spec::kBuildCorrelationWindow);
-  build_.census_pattern =
-      field(spec::kBuildCensusFull) != 0 ? CensusPattern::kFull : CensusPattern::kSparse;
-  build_.line_rows = static_cast<int>(read(spec::kRegBuildLineRows));
-  build_.mesh_nodes = static_cast<int>(read(spec::kRegBuildMeshNodes));
+  build_ = GatewareBuild::from_registers(read(spec::kRegBuild), read(spec::kRegBuildLineRows),
+                                         read(spec::kRegBuildMeshNodes));
 }
 
 // Clocks and registers.
@@ -168,11 +159,12 @@ void Gateware::idle(int num_clocks) {
 }
 
 Status Gateware::configure(const Parameters& parameters, const StereoRectification& rectification) {
-  const auto writes = configuration(build_, parameters, rectification);
-  if (!writes) return writes.error();
+  const auto made = configuration(build_, parameters, rectification);
+  if (!made) return made.error();
+  const std::vector<RegisterWrite> writes = made->writes();
   write(spec::kRegErrors, spec::kErrorsConfig.mask());
-  for (const RegisterWrite& w : *writes) write(w.address, w.value);
-  for (const RegisterWrite& w : *writes) {
+  for (const RegisterWrite& w : writes) write(w.address, w.value);
+  for (const RegisterWrite& w : writes) {
     for (const spec::Register& r : spec::register_table()) {
       if (r.address != w.address || r.access != spec::Access::kReadWrite) continue;
       // It counts the nodes that are written.

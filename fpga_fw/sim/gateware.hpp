@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "fpga_stereo/core/calibration.hpp"
+#include "fpga_stereo/core/configuration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/core/spec.hpp"
-#include "sim/configuration.hpp"
 #include "sim/model.hpp"
 
 namespace fpga_stereo::sim {
@@ -73,7 +73,7 @@ class Gateware {
   Gateware& operator=(Gateware&&) = delete;  // would unload a model that still exists
 
   /// What its registers say, and what it was made with.
-  const Build& build() const { return build_; }
+  const GatewareBuild& build() const { return build_; }
   const ModelParameters& model_parameters() const;
 
   // Every function below takes clocks of simulated time. Those that write or read registers hold
@@ -125,7 +125,7 @@ class Gateware {
 
   std::shared_ptr<Library> library_;
   std::unique_ptr<void, void (*)(void*)> model_{nullptr, nullptr};
-  Build build_;
+  GatewareBuild build_;
   std::int64_t clocks_ = 0;
 
   // The streams.

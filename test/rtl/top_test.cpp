@@ -59,7 +59,7 @@ TEST_P(RtlTop, SaysWhatItIs) {
   EXPECT_EQ(gateware.read(spec::kRegSpecHash), kSpecHash);
   EXPECT_EQ(gateware.read(spec::kRegVersion), spec::kRegVersionReset);
   const sim::ModelParameters& made = gateware.model_parameters();
-  const sim::Build& build = gateware.build();
+  const GatewareBuild& build = gateware.build();
   EXPECT_EQ(build.max_width, made.max_width);
   EXPECT_EQ(build.disparities, made.disparities);
   EXPECT_EQ(build.census_window, made.census_window);
@@ -166,12 +166,13 @@ TEST_P(RtlTop, SettingsSizesAndMeshesChangeBehindAFrameInFlight) {
                     textured(size, 1 + i % 2, 20 + i), ""};
     expected.push_back(in_software(c));
     // Half of the changes while the frame before flows, half while streams are held.
-    auto writes = configuration(gateware.build(), c.parameters, c.rectification);
-    ASSERT_TRUE(writes);
+    const auto wanted = configuration(gateware.build(), c.parameters, c.rectification);
+    ASSERT_TRUE(wanted);
+    const std::vector<RegisterWrite> writes = wanted->writes();
     if (i % 2 == 0) {
-      for (const sim::RegisterWrite& w : *writes) gateware.write(w.address, w.value);
+      for (const RegisterWrite& w : writes) gateware.write(w.address, w.value);
     } else {
-      flow.writes = *writes;
+      flow.writes = writes;
       keep(gateware.stream({}, 0, flow));
       flow.writes.clear();
     }
@@ -374,7 +375,7 @@ TEST_P(RtlTop, RefusesByNameWhatItWasNotBuiltFor) {
           << "\"" << word << "\" in: " << status.error().message;
     }
   };
-  const sim::Build& build = gateware.build();
+  const GatewareBuild& build = gateware.build();
   Parameters p = parameters();
   p.disparity_range = 64;
   refused(p, unmoved(size), {"disparity_range = 64", std::to_string(build.disparities)});

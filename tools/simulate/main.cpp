@@ -72,12 +72,12 @@ Run run(sim::Gateware& gateware, const StereoJob& job, int copies) {
   return {*made, static_cast<double>(gateware.clocks() - clocks) / time.count()};
 }
 
-void print_cycles(const Run& run, const sim::Build& build, const StereoJob& job) {
+void print_cycles(const Run& run, const GatewareBuild& build, const StereoJob& job) {
   const cv::Size size = job.left.size();
   const sim::Frame& first = run.frames.front();
   const std::int64_t latency = first.first_out - first.first_in;
   const std::int64_t period = run.frames[2].first_out - run.frames[1].first_out;
-  const std::int64_t start = sim::read_start(job.rectification);
+  const std::int64_t start = read_start(job.rectification);
   const auto line = [](const char* name) -> std::ostream& {
     return std::cout << std::left << std::setw(18) << name << std::right;
   };
@@ -92,7 +92,7 @@ void print_cycles(const Run& run, const sim::Build& build, const StereoJob& job)
                 << ", correlation " << build.correlation_window << "\n";
   const auto kbit = [](int bits) { return concat(bits / 1024, " kbit"); };
   constexpr int kCameras = 2, kBanks = 2, kCoordinates = 2;
-  line("line buffer") << sim::line_rows(job.rectification) << " of " << build.line_rows
+  line("line buffer") << fpga_stereo::line_rows(job.rectification) << " of " << build.line_rows
                       << " rows needed; "
                       << kbit(kCameras * build.line_rows * build.max_width * kPixelBits) << "\n";
   line("mesh") << Mesh::node_count(size).area() << " of " << build.mesh_nodes << " nodes needed; "
@@ -112,8 +112,8 @@ void simulate(const Arguments& arguments) {
   const StereoJob job = read_job(*parsed);
   if (options["verbose"].as<bool>()) print_rectification(job.rectification);
 
-  const sim::Build build = smallest_build(job, rows);
-  require(sim::check_build(build, job.parameters, job.rectification));
+  const GatewareBuild build = smallest_build(job, rows);
+  require(check_build(build, job.parameters, job.rectification));
   create_folder(folder);
   auto opened = sim::Gateware::open(model(build, !vcd.empty(), folder, num_threads));
   require(opened);

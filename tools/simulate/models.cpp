@@ -33,14 +33,14 @@ std::string build_model_path() {
 
 int default_line_rows(int max_width) { return max_width > kSizes.front().width ? 104 : 102; }
 
-sim::Build smallest_build(const StereoJob& job, int line_rows) {
+GatewareBuild smallest_build(const StereoJob& job, int line_rows) {
   constexpr int kNodesStep = 1024;  // as many lie in a block RAM
   const cv::Size size = job.rectification.geometry.image_size;
   const auto fits = [&](cv::Size built) { return size.width <= built.width; };
   const auto found = std::find_if(kSizes.begin(), kSizes.end(), fits);
   const cv::Size built = found != kSizes.end() ? *found : kSizes.back();
   const int nodes = std::max(Mesh::node_count(size).area(), Mesh::node_count(built).area());
-  sim::Build build;
+  GatewareBuild build;
   build.max_width = built.width;
   build.disparities = job.parameters.disparity_range;
   build.census_window = job.parameters.census_window_size;
@@ -59,7 +59,7 @@ std::string default_models_folder() {
   throw UsageError("--models is missing, and neither XDG_CACHE_HOME nor HOME is set");
 }
 
-std::string model(const sim::Build& build, bool trace, const std::string& folder, int jobs) {
+std::string model(const GatewareBuild& build, bool trace, const std::string& folder, int jobs) {
   const int full = build.census_pattern == CensusPattern::kFull ? 1 : 0;
   const std::string command =
       concat(shell_quoted(build_model_path()), " ", build.max_width, " ", build.disparities, " ",

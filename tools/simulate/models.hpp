@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sim/configuration.hpp"
+#include "fpga_stereo/core/configuration.hpp"
 #include "support/stereo_job.hpp"
 
 namespace fpga_stereo::tools {
@@ -12,13 +12,13 @@ namespace fpga_stereo::tools {
 int default_line_rows(int max_width);
 
 /// The smallest build for a job. `line_rows` 0: the default.
-sim::Build smallest_build(const StereoJob& job, int line_rows);
+GatewareBuild smallest_build(const StereoJob& job, int line_rows);
 
 /// Folder for models: ~/.cache/fpga_stereo, or in XDG_CACHE_HOME.
 std::string default_models_folder();
 
 /// Path of the model of a build in `folder`. It is built first where it is not there, by `jobs`
 /// compilers at once; fpga_fw/sim/build_model says so on stderr.
-std::string model(const sim::Build& build, bool trace, const std::string& folder, int jobs);
+std::string model(const GatewareBuild& build, bool trace, const std::string& folder, int jobs);
 
 }  // namespace fpga_stereo::tools

@@ -2,16 +2,17 @@
 // there. fpga_fw/spec/registers.md has the registers.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
 
-namespace fpga_stereo::sim {
+namespace fpga_stereo {
 
 /// What a gateware was built for: its registers BUILD, BUILD_LINE_ROWS, BUILD_MESH_NODES.
-struct Build {
+struct GatewareBuild {
   int max_width = 0;           // px
   int disparities = 0;         // disparity_range
   int census_window = 0;       // px
@@ -22,6 +23,12 @@ struct Build {
 
   /// The narrowest image, px.
   int min_width() const;
+
+  /// From the registers BUILD, BUILD_LINE_ROWS, BUILD_MESH_NODES.
+  static GatewareBuild from_registers(std::uint32_t build, std::uint32_t line_rows,
+                                      std::uint32_t mesh_nodes);
+  /// The register BUILD.
+  std::uint32_t build_register() const;
 };
 
 struct RegisterWrite {
@@ -37,12 +44,21 @@ std::int64_t read_start(const StereoRectification& rectification);
 int line_rows(const StereoRectification& rectification);
 
 /// Refuses what a gateware of this build cannot do, by name, value and what is allowed.
-Status check_build(const Build& build, const Parameters& parameters,
+Status check_build(const GatewareBuild& build, const Parameters& parameters,
                    const StereoRectification& rectification);
 
-/// Everything that configures a gateware: the shadow, both meshes, and last CONTROL.apply. What
-/// check_build() refuses is refused.
-Result<std::vector<RegisterWrite>> configuration(const Build& build, const Parameters& parameters,
-                                                 const StereoRectification& rectification);
+/// Everything that configures a gateware.
+struct GatewareConfiguration {
+  std::vector<RegisterWrite> registers;            // the shadow
+  std::array<std::vector<std::uint32_t>, 2> mesh;  // left, right: the words for MESH_DATA
 
-}  // namespace fpga_stereo::sim
+  /// As one list of writes, the last of which is CONTROL.apply.
+  std::vector<RegisterWrite> writes() const;
+};
+
+/// What check_build() refuses is refused.
+Result<GatewareConfiguration> configuration(const GatewareBuild& build,
+                                            const Parameters& parameters,
+                                            const StereoRectification& rectification);
+
+}  // namespace fpga_stereo

@@ -1,4 +1,4 @@
-#include "sim/configuration.hpp"
+#include "fpga_stereo/core/configuration.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "fpga_stereo/core/spec.hpp"
 
-namespace fpga_stereo::sim {
+namespace fpga_stereo {
 namespace {
 
 template <class... Parts>
@@ -40,18 +40,45 @@ BufferNeed gateware_need(const CameraRectification& camera, std::int64_t start) 
   return need;
 }
 
-void write_mesh(const Mesh& mesh, bool right, std::vector<RegisterWrite>& writes) {
-  writes.push_back({spec::kRegMeshAddress, spec::kMeshAddressCamera.put(right ? 1 : 0)});
+std::vector<std::uint32_t> mesh_words(const Mesh& mesh) {
+  std::vector<std::uint32_t> words;
+  words.reserve(mesh.nodes.total());
   for (const cv::Vec2s& node : mesh.nodes) {
-    writes.push_back(
-        {spec::kRegMeshData, spec::kMeshDataDx.put(static_cast<std::uint16_t>(node[0])) |
-                                 spec::kMeshDataDy.put(static_cast<std::uint16_t>(node[1]))});
+    words.push_back(spec::kMeshDataDx.put(static_cast<std::uint16_t>(node[0])) |
+                    spec::kMeshDataDy.put(static_cast<std::uint16_t>(node[1])));
   }
+  return words;
 }
 
 }  // namespace
 
-int Build::min_width() const { return std::max(kGatewareMinWidth, correlation_window + 1); }
+int GatewareBuild::min_width() const { return std::max(kGatewareMinWidth, correlation_window + 1); }
+
+GatewareBuild GatewareBuild::from_registers(std::uint32_t build, std::uint32_t line_rows,
+                                            std::uint32_t mesh_nodes) {
+  const auto field = [build](spec::Field f) { return static_cast<int>(f.get(build)); };
+  GatewareBuild made;
+  made.max_width = field(spec::kBuildMaxWidth);
+  made.disparities = field(spec::kBuildDisparities);
+  if (made.disparities == 0) made.disparities = 1 << spec::kBuildDisparities.bits;
+  made.census_window = field(spec::kBuildCensusWindow);
+  made.correlation_window = field(spec::kBuildCorrelationWindow);
+  made.census_pattern =
+      field(spec::kBuildCensusFull) != 0 ? CensusPattern::kFull : CensusPattern::kSparse;
+  made.line_rows = static_cast<int>(line_rows);
+  made.mesh_nodes = static_cast<int>(mesh_nodes);
+  return made;
+}
+
+std::uint32_t GatewareBuild::build_register() const {
+  const auto put = [](spec::Field f, int value) {
+    return f.put(static_cast<std::uint32_t>(value));
+  };
+  return put(spec::kBuildMaxWidth, max_width) | put(spec::kBuildDisparities, disparities) |
+         put(spec::kBuildCensusWindow, census_window) |
+         put(spec::kBuildCorrelationWindow, correlation_window) |
+         put(spec::kBuildCensusFull, census_pattern == CensusPattern::kFull ? 1 : 0);
+}
 
 std::int64_t read_start(const StereoRectification& rectification) {
   constexpr int kBilinear = 2;  // px right of where the lower pair of taps begins
@@ -64,7 +91,7 @@ int line_rows(const StereoRectification& r) {
   return std::max(gateware_need(r.left, start).rows, gateware_need(r.right, start).rows);
 }
 
-Status check_build(const Build& build, const Parameters& p, const StereoRectification& r) {
+Status check_build(const GatewareBuild& build, const Parameters& p, const StereoRectification& r) {
   const cv::Size size = r.geometry.image_size;
   const cv::Size nodes = Mesh::node_count(size);
   const std::int64_t start = read_start(r);
@@ -85,14 +112,25 @@ Status check_build(const Build& build, const Parameters& p, const StereoRectific
   return {};
 }
 
-Result<std::vector<RegisterWrite>> configuration(const Build& build, const Parameters& p,
-                                                 const StereoRectification& r) {
+std::vector<RegisterWrite> GatewareConfiguration::writes() const {
+  std::vector<RegisterWrite> all = registers;
+  for (std::uint32_t right = 0; right < mesh.size(); ++right) {
+    all.push_back({spec::kRegMeshAddress, spec::kMeshAddressCamera.put(right)});
+    for (const std::uint32_t word : mesh[right]) all.push_back({spec::kRegMeshData, word});
+  }
+  all.push_back({spec::kRegControl, spec::kControlApply.put(1)});
+  return all;
+}
+
+Result<GatewareConfiguration> configuration(const GatewareBuild& build, const Parameters& p,
+                                            const StereoRectification& r) {
   if (const Status status = check_build(build, p, r); !status) return status.error();
   const cv::Size size = r.geometry.image_size;
   const auto start = static_cast<std::uint32_t>(read_start(r));
   const auto width = static_cast<std::uint32_t>(size.width);
   const auto uniqueness = std::lround(kUniquenessScale * (1 + p.uniqueness_ratio / 100));
-  std::vector<RegisterWrite> writes{
+  GatewareConfiguration made;
+  made.registers = {
       {spec::kRegWidth, spec::kWidthPixels.put(width)},
       {spec::kRegHeight, spec::kHeightRows.put(size.height)},
       {spec::kRegReadStart,
@@ -105,10 +143,8 @@ Result<std::vector<RegisterWrite>> configuration(const Build& build, const Param
       {spec::kRegSpeckleSize, spec::kSpeckleSizePixels.put(p.speckle_size)},
       {spec::kRegSpeckleRange, spec::kSpeckleRangeUnits.put(p.speckle_range * kDisparityScale)},
   };
-  write_mesh(r.left.mesh, false, writes);
-  write_mesh(r.right.mesh, true, writes);
-  writes.push_back({spec::kRegControl, spec::kControlApply.put(1)});
-  return writes;
+  made.mesh = {mesh_words(r.left.mesh), mesh_words(r.right.mesh)};
+  return made;
 }
 
-}  // namespace fpga_stereo::sim
+}  // namespace fpga_stereo
