@@ -6,7 +6,7 @@
 /* verilator lint_off UNUSEDPARAM */  // no design uses every name
 package fs_pkg;
   // The specification hash.
-  localparam logic [31:0] SpecHash = 32'hF0371353;
+  localparam logic [31:0] SpecHash = 32'h7CBB1A63;
 
   // Stages, in data order.
   localparam int StageRectify = 0;   // both images onto common rows
@@ -52,6 +52,8 @@ package fs_pkg;
   localparam logic [7:0] LinkFirstRegister = 8'h60;            // registers from here: the link's
   localparam int HeartbeatMs = 500;                            // between signs of life, both ways
   localparam int HostTimeoutMs = 2000;                         // of silence, and the board stops
+  localparam int BoardSilenceMs = 100;                         // after which the board gives up a packet
+  localparam int HostSilenceMs = 1000;                         // after which the host does
   localparam logic [7:0] PacketReadRegisters = 8'h01;          // host
   localparam logic [7:0] PacketWriteRegisters = 8'h02;         // host
   localparam logic [7:0] PacketWriteMesh = 8'h03;              // host
@@ -87,7 +89,7 @@ package fs_pkg;
 
   // SPEC_HASH (ro): of the specification that the gateware was made from
   localparam logic [7:0] RegSpecHash = 8'h01;
-  localparam logic [31:0] RegSpecHashReset = 32'hF0371353;
+  localparam logic [31:0] RegSpecHashReset = 32'h7CBB1A63;
 
   // VERSION (ro): of protocol and gateware
   localparam logic [7:0] RegVersion = 8'h02;

@@ -17,6 +17,7 @@
 #include "fpga_stereo/core/parameters.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/core/spec.hpp"
+#include "sim/board.hpp"
 #include "sim/model.hpp"
 
 namespace fpga_stereo::sim {
@@ -34,10 +35,6 @@ struct Word {
   bool sof = false, eol = false;
   bool eof = false;  // last of a frame
   bool bad = false;  // with eof: the frame is not to be used
-};
-
-struct RawPair {
-  cv::Mat1b left, right;
 };
 
 /// What came out for one frame that went in, with the clocks in which pixels were taken.

@@ -78,4 +78,10 @@ void Decoder::give_up() {
   if (left() > 0) skip(1);
 }
 
+void Decoder::restart() {
+  bytes_.clear();
+  at_ = 0;
+  expected_.reset();
+}
+
 }  // namespace fpga_stereo::link

@@ -63,7 +63,9 @@ const char* name(Stream stream) {
   return number < kNames.size() ? kNames[number] : "unknown stream";
 }
 
-std::size_t Leader::row_bytes() const { return (width * pixel_bytes(format) + 3) / 4 * 4; }
+std::size_t Leader::row_bytes(Stream stream) const {
+  return (static_cast<std::size_t>(columns(stream)) * pixel_bytes(format) + 3) / 4 * 4;
+}
 
 std::array<std::uint8_t, Leader::kBytes> pack(const Leader& leader) {
   std::array<std::uint8_t, Leader::kBytes> bytes{};
@@ -83,15 +85,48 @@ std::array<std::uint8_t, Trailer::kBytes> pack(const Trailer& trailer) {
 }
 
 void append_row(const cv::Mat& row, std::vector<std::uint8_t>& bytes) {
-  for (int x = 0; x < row.cols; ++x) {
-    if (row.depth() == CV_8U) {
-      bytes.push_back(row.at<std::uint8_t>(x));
-    } else {
-      bytes.resize(bytes.size() + 2);
-      put_u16(&*(bytes.end() - 2), row.at<std::uint16_t>(x));
-    }
+  const std::size_t first = bytes.size();
+  const auto size = static_cast<std::size_t>(row.cols) * row.elemSize();
+  bytes.resize((first + size + 3) / 4 * 4, 0);
+  std::uint8_t* to = &bytes[first];
+  if (row.depth() == CV_8U) {
+    std::memcpy(to, row.data, size);
+    return;
   }
-  bytes.resize((bytes.size() + 3) / 4 * 4, 0);
+  for (int x = 0; x < row.cols; ++x, to += 2) put_u16(to, row.at<std::uint16_t>(x));
+}
+
+void append_frame(const Header& frame, const cv::Mat& image, std::uint32_t configuration,
+                  std::uint32_t flags, std::size_t payload, std::uint32_t& sequence,
+                  std::vector<std::uint8_t>& bytes) {
+  Header header = frame;
+  const auto packet = [&](PacketType type, const std::uint8_t* data, std::size_t size) {
+    header.type = type;
+    header.sequence = sequence++;
+    append_packet(header, data, size, bytes);
+  };
+  Leader leader;
+  leader.width =
+      static_cast<std::uint16_t>(frame.stream == Stream::kInput ? image.cols / 2 : image.cols);
+  leader.height = static_cast<std::uint16_t>(image.rows);
+  leader.format = image.depth() == CV_16U ? PixelFormat::kDisparity : PixelFormat::kGrey;
+  leader.configuration = configuration;
+  const auto first = pack(leader);
+  packet(PacketType::kLeader, first.data(), first.size());
+
+  const std::size_t fit = payload / leader.row_bytes(frame.stream);
+  const int rows = frame.stream == Stream::kInput || fit == 0 ? 1 : static_cast<int>(fit);
+  std::vector<std::uint8_t> row_bytes;
+  for (int y = 0; y < image.rows; y += rows) {
+    row_bytes.clear();
+    for (int k = y; k < std::min(y + rows, image.rows); ++k) append_row(image.row(k), row_bytes);
+    header.index = static_cast<std::uint16_t>(y);
+    packet(PacketType::kRows, row_bytes.data(), row_bytes.size());
+  }
+  header.index = 0;
+  const auto last =
+      pack(Trailer{static_cast<std::uint32_t>(image.rows), flags, image_signature(image)});
+  packet(PacketType::kTrailer, last.data(), last.size());
 }
 
 std::string Assembled::text() const {
@@ -161,12 +196,13 @@ void FrameAssembler::begin(const Packet& packet, Frame& frame) {
   frame.assembled.configuration = leader->configuration;
   frame.assembled.height = leader->height;
   const bool wide = leader->format == PixelFormat::kDisparity;
-  frame.assembled.image.create(leader->height, leader->width, wide ? CV_16UC1 : CV_8UC1);
+  frame.assembled.image.create(leader->height, leader->columns(packet.header.stream),
+                               wide ? CV_16UC1 : CV_8UC1);
   frame.have.assign(leader->height, false);
 }
 
 void FrameAssembler::take_rows(const Packet& packet, Frame& frame) {
-  const std::size_t row_bytes = frame.leader.row_bytes();
+  const std::size_t row_bytes = frame.leader.row_bytes(packet.header.stream);
   const std::size_t rows = packet.header.length / row_bytes;
   const std::size_t first = packet.header.index;
   if (packet.header.length % row_bytes != 0 || first + rows > frame.leader.height) {
@@ -220,6 +256,12 @@ void FrameAssembler::reset(std::vector<Assembled>& out) {
   for (Frame& frame : frames_) {
     if (frame.open) finish(frame, Verdict::kNoTrailer, out);
   }
+}
+
+std::optional<std::uint64_t> FrameAssembler::under_way(Stream stream) const {
+  const auto number = static_cast<std::size_t>(stream);
+  if (number >= frames_.size() || !frames_[number].open) return std::nullopt;
+  return frames_[number].assembled.frame_id;
 }
 
 }  // namespace fpga_stereo::link

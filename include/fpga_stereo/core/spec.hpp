@@ -60,6 +60,8 @@ constexpr std::uint32_t kLinkFirstFrame = 0xFFFFFFF0;       // low word; the hig
 constexpr std::uint8_t kLinkFirstRegister = 0x60;           // registers from here: the link's
 constexpr int kHeartbeatMs = 500;                           // between signs of life, both ways
 constexpr int kHostTimeoutMs = 2000;                        // of silence, and the board stops
+constexpr int kBoardSilenceMs = 100;                        // after which the board gives up a packet
+constexpr int kHostSilenceMs = 1000;                        // after which the host does
 constexpr std::uint8_t kPacketReadRegisters = 0x01;         // host
 constexpr std::uint8_t kPacketWriteRegisters = 0x02;        // host
 constexpr std::uint8_t kPacketWriteMesh = 0x03;             // host
@@ -87,7 +89,7 @@ constexpr std::uint32_t kRefusedType = 0x00000002;          // why: no such type
 constexpr std::uint32_t kRefusedLength = 0x00000003;        // why: not with this length
 
 /// The specification hash: software and gateware of different ones do not work together.
-constexpr std::uint32_t kSpecHash = 0xF0371353;
+constexpr std::uint32_t kSpecHash = 0x7CBB1A63;
 
 /// The register map of the gateware.
 namespace spec {
@@ -128,7 +130,7 @@ constexpr std::uint32_t kRegIdentity = 0x00;
 constexpr std::uint32_t kRegIdentityReset = 0x46535431;
 
 constexpr std::uint32_t kRegSpecHash = 0x01;
-constexpr std::uint32_t kRegSpecHashReset = 0xF0371353;
+constexpr std::uint32_t kRegSpecHashReset = 0x7CBB1A63;
 
 constexpr std::uint32_t kRegVersion = 0x02;
 constexpr std::uint32_t kRegVersionReset = 0x00000001;

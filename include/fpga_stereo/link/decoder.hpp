@@ -41,6 +41,10 @@ class Decoder {
   /// on behind its sync word; call next() again.
   void give_up();
 
+  /// Another stream begins: what waits is forgotten, and any sequence number is the first. The
+  /// counters go on.
+  void restart();
+
   const Counters& counters() const { return counters_; }
 
  private:

@@ -34,8 +34,10 @@ struct Leader {
   PixelFormat format = PixelFormat::kDisparity;
   std::uint32_t configuration = 0;
 
+  /// Pixels in a row: of stream input those of both images, side by side.
+  int columns(Stream stream) const { return stream == Stream::kInput ? 2 * width : width; }
   /// Bytes of a row in a packet of rows: the pixels, and zeros up to a multiple of 4.
-  std::size_t row_bytes() const;
+  std::size_t row_bytes(Stream stream) const;
 };
 
 /// Why a board calls its own frame bad: bits of Trailer::flags.
@@ -62,6 +64,13 @@ std::array<std::uint8_t, Trailer::kBytes> pack(const Trailer& trailer);
 
 /// One row (8UC1 or 16UC1) as a packet of rows has it, appended to `bytes`.
 void append_row(const cv::Mat& row, std::vector<std::uint8_t>& bytes);
+
+/// A whole frame as packets, appended to `bytes`: leader, rows, trailer. `frame` has what the three
+/// have in common: stream, frame_id, timestamp; and the leader's configuration. Rows go in packets
+/// of at most `payload` bytes. `sequence` is that of the first packet, and moves on.
+void append_frame(const Header& frame, const cv::Mat& image, std::uint32_t configuration,
+                  std::uint32_t flags, std::size_t payload, std::uint32_t& sequence,
+                  std::vector<std::uint8_t>& bytes);
 
 /// What became of a frame.
 struct Assembled {
@@ -109,6 +118,9 @@ class FrameAssembler {
 
   /// The link was lost: frames under way will not be finished.
   void reset(std::vector<Assembled>& out);
+
+  /// frame_id of the frame of a stream that has begun and not ended.
+  std::optional<std::uint64_t> under_way(Stream stream) const;
 
   const Counters& counters() const { return counters_; }
 

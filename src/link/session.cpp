@@ -1,0 +1,324 @@
+#include "fpga_stereo/link/session.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fpga_stereo::link {
+namespace {
+
+constexpr int kAttempts = 3;  // to configure a board that does not hold what is written
+constexpr std::size_t kMostOutgoing = 4 << 20;  // bytes that wait: more is a board that takes none
+
+}  // namespace
+
+const char* name(Session::State state) {
+  static constexpr std::array<const char*, 6> kNames{"closed",      "identifying", "refused",
+                                                     "configuring", "ready",       "streaming"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+const char* name(Session::Step step) {
+  static constexpr std::array<const char*, Session::kSteps> kNames{"purge", "restart", "reopen",
+                                                                   "reset"};
+  return kNames[static_cast<std::size_t>(step)];
+}
+
+void Session::opened(Time now) {
+  now_ = last_packet_ = last_byte_ = now;
+  next_step_ = now + options_.silence;
+  clock_.reset();
+  outgoing_.clear();
+  begin_anew();
+}
+
+void Session::closed() {
+  state_ = State::kClosed;
+  identity_.reset();
+  drop_jobs({ErrorKind::kGone, "the line to the board is lost"});
+  assembler_.reset(assembled_);
+  deliver(0);
+  sets_.reset(complete_);
+  deliver(0);
+}
+
+void Session::begin_anew() {
+  drop_jobs({ErrorKind::kIo, "the board is identified anew"});
+  decoder_.restart();
+  assembler_.reset(assembled_);
+  deliver(0);
+  sets_.reset(complete_);
+  deliver(0);
+  identity_.reset();
+  meshes_ = {};
+  tags_.clear();
+  frame_came_ = false;
+  next_poll_ = now_ + options_.poll;
+  identify();
+}
+
+void Session::want(const Wanted& wanted) {
+  const auto same = [](const GatewareConfiguration& a, const GatewareConfiguration& b) {
+    const auto equal = [](const RegisterWrite& x, const RegisterWrite& y) {
+      return x.address == y.address && x.value == y.value;
+    };
+    return a.mesh == b.mesh && std::equal(a.registers.begin(), a.registers.end(),
+                                          b.registers.begin(), b.registers.end(), equal);
+  };
+  const bool new_configuration =
+      wanted.configuration && (!wanted_.configuration || wanted.tag != wanted_.tag ||
+                               !same(*wanted.configuration, *wanted_.configuration));
+  configuration_stale_ |= new_configuration;
+  streams_stale_ |=
+      wanted.streams != wanted_.streams || wanted.frame_interval != wanted_.frame_interval ||
+      wanted.raw_interval != wanted_.raw_interval || wanted.host_input != wanted_.host_input ||
+      wanted.mid_exposure != wanted_.mid_exposure;
+  wanted_ = wanted;
+  if (state_ == State::kRefused && !incompatible_ && new_configuration) {
+    attempts_ = 0;
+    refusal_.clear();
+    begin_anew();
+  }
+}
+
+std::string Session::complaint() const {
+  switch (state_) {
+    case State::kClosed:
+      return "no board";
+    case State::kRefused:
+      return refusal_;
+    case State::kIdentifying:
+      return trouble_.empty() ? "the board is being identified" : trouble_;
+    case State::kConfiguring:
+      return trouble_.empty() ? "the board is being configured" : trouble_;
+    default:
+      return trouble_;
+  }
+}
+
+std::optional<Session::Step> Session::take_step() { return std::exchange(step_, std::nullopt); }
+
+std::vector<Session::Received> Session::take_received() { return std::exchange(received_, {}); }
+
+std::vector<std::string> Session::take_notes() { return std::exchange(notes_, {}); }
+
+void Session::ask(Request request, Answer answer) {
+  if (state_ == State::kClosed) return answer(Error{ErrorKind::kGone, "there is no board"});
+  jobs_.push_back({std::move(request), {}, std::move(answer), {}});
+}
+
+bool Session::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
+                        std::uint64_t timestamp) {
+  if (outgoing_.size() > kMostOutgoing) return false;
+  cv::Mat pair;
+  cv::hconcat(left, right, pair);
+  Header frame;
+  frame.stream = Stream::kInput;
+  frame.frame_id = frame_id;
+  frame.timestamp = timestamp;
+  append_frame(frame, pair, 0, 0, kLinkMaxHostPayloadBytes, sequence_, outgoing_);
+  return true;
+}
+
+// What comes.
+
+void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, double host) {
+  now_ = last_byte_ = now;
+  decoder_.push(bytes, size);
+  while (const auto packet = decoder_.next()) take(*packet, now, host);
+  deliver(host);
+}
+
+void Session::take(const Packet& packet, Time now, double host) {
+  last_packet_ = now;
+  if (packet.header.version != kVersion) {
+    incompatible_ = true;
+    failed({ErrorKind::kIncompatible, version_text(packet.header.version)});
+    return;
+  }
+  if (state_ == State::kClosed || state_ == State::kRefused) {
+    if (!under_way_) return;
+  }
+  switch (packet.header.type) {
+    case PacketType::kRegisters:
+    case PacketType::kWritten:
+    case PacketType::kRefused:
+      return take_answer(packet, now, host);
+    case PacketType::kLeader:
+    case PacketType::kRows:
+    case PacketType::kTrailer:
+      // Before the board is configured nothing is known about what made a frame.
+      if (tags_.empty() || packet.header.stream == Stream::kInput) return;
+      assembler_.add(packet, assembled_);
+      if (packet.header.type == PacketType::kLeader &&
+          assembler_.under_way(packet.header.stream) == packet.header.frame_id) {
+        sets_.begun(packet.header.stream, packet.header.frame_id);
+      }
+      return;
+    default:
+      return;
+  }
+}
+
+void Session::take_answer(const Packet& packet, Time now, double host) {
+  if (!under_way_ || packet.header.index != under_way_->id) return;  // a late one
+  if (clock_.add(under_way_->sent, packet.header.timestamp, host)) unstamped_ = false;
+  const Job job = std::move(jobs_.front());
+  const bool read = job.request.type == PacketType::kReadRegisters;
+  Result<std::vector<RegisterWrite>> result{std::vector<RegisterWrite>{}};
+  if (packet.header.type == PacketType::kRefused) {
+    result = Error{ErrorKind::kIo, "the board refuses a request: " + refusal_text(packet)};
+  } else if (read) {
+    const auto values = unpack_registers(packet);
+    bool expected = values && values->size() * 4 == job.request.payload.size();
+    for (std::size_t i = 0; expected && i < values->size(); ++i) {
+      expected = (*values)[i].address == get_u32(&job.request.payload[4 * i]);
+    }
+    if (!expected) {  // it is sent again in time
+      jobs_.front() = job;
+      return;
+    }
+    result = *values;
+  } else if (packet.header.type != PacketType::kWritten) {
+    jobs_.front() = job;
+    return;
+  }
+  under_way_.reset();
+  jobs_.pop_front();
+  now_ = now;
+  if (job.answer) {
+    job.answer(std::move(result));
+  } else if (!result) {
+    failed(result.error());
+  } else if (const Status status = job.done(*result); !status) {
+    incompatible_ = status.error().kind == ErrorKind::kIncompatible;
+    failed(status.error());
+  }
+}
+
+void Session::failed(const Error& error) {
+  if (error.kind == ErrorKind::kIncompatible || ++attempts_ >= kAttempts) {
+    if (refusal_ != error.message) notes_.push_back(error.message);
+    refusal_ = error.message;
+    drop_jobs(error);
+    state_ = State::kRefused;
+    return;
+  }
+  notes_.push_back(error.message + "; trying again");
+  begin_anew();
+}
+
+void Session::deliver(double host) {
+  for (Assembled& frame : assembled_) {
+    frame_came_ = true;
+    sets_.ended(std::move(frame), wanted_.streams, complete_);
+  }
+  assembled_.clear();
+  for (FrameSet& set : complete_) {
+    const auto after = tags_.upper_bound(set.configuration);
+    if (after == tags_.begin()) {
+      ++counters_.unknown_configuration;
+      notes_.push_back("frame dropped: it was made by configuration " +
+                       std::to_string(set.configuration) + ", which is not ours");
+      continue;
+    }
+    Received received{std::move(set), std::prev(after)->second, host};
+    if (wanted_.host_input) {
+      received.stamp = static_cast<double>(received.set.timestamp) * 1e-6;
+    } else if (const auto stamp = clock_.to_host(received.set.timestamp)) {
+      received.stamp = *stamp;
+    } else if (!unstamped_) {
+      unstamped_ = true;
+      notes_.push_back(
+          "no round trip to the board takes less than 10 ms: stamps are times of "
+          "arrival");
+    }
+    received_.push_back(std::move(received));
+    trouble_.clear();
+    ladder_ = 0;
+  }
+  complete_.clear();
+}
+
+// What is sent.
+
+void Session::tick(Time now, double host) {
+  now_ = now;
+  if (state_ == State::kClosed) return;
+  if (now - last_byte_ > std::chrono::milliseconds(kHostSilenceMs)) {
+    last_byte_ = now;
+    decoder_.give_up();
+    receive(nullptr, 0, now, host);
+  }
+  if (now >= next_poll_ && jobs_.empty()) poll();
+  settle();
+  start_jobs(now, host);
+  watch(now);
+}
+
+void Session::start_jobs(Time now, double host) {
+  if (jobs_.empty()) return;
+  if (!under_way_) {
+    if (now < jobs_.front().not_before) return;
+    under_way_ = UnderWay{++next_id_, 1, now + options_.answer, host};
+    ++counters_.requests;
+    return send(jobs_.front().request, under_way_->id);
+  }
+  if (now < under_way_->deadline) return;
+  if (under_way_->tries < options_.tries) {
+    // With the same id: whichever answer comes is the answer. It is no measure of the clock.
+    ++under_way_->tries;
+    ++counters_.repeated;
+    under_way_->deadline = now + options_.answer;
+    under_way_->sent = host - 1;
+    return send(jobs_.front().request, under_way_->id);
+  }
+  const Job job = std::move(jobs_.front());
+  jobs_.pop_front();
+  under_way_.reset();
+  if (job.answer) job.answer(Error{ErrorKind::kTimeout, "the board does not answer"});
+  step(now, "the board does not answer");
+}
+
+void Session::send(const Request& request, std::uint16_t id) {
+  Header header;
+  header.type = request.type;
+  header.index = id;
+  header.sequence = sequence_++;
+  append_packet(header, request.payload.data(), request.payload.size(), outgoing_);
+}
+
+void Session::drop_jobs(const Error& error) {
+  const std::deque<Job> jobs = std::exchange(jobs_, {});
+  under_way_.reset();
+  for (const Job& job : jobs) {
+    if (job.answer) job.answer(error);
+  }
+}
+
+// The watchdog.
+
+bool Session::stalled() const {
+  if (state_ != State::kStreaming) return false;
+  const auto allowed = static_cast<std::uint32_t>(options_.periods * wanted_.frame_interval);
+  return board_.frames_in - input_at_frame_ > allowed;
+}
+
+void Session::watch(Time now) {
+  if (now < next_step_) return;
+  if (now - last_packet_ > options_.silence) return step(now, "nothing comes from the board");
+  if (stalled()) step(now, "the board takes images, and no frame comes");
+}
+
+void Session::step(Time now, const std::string& why) {
+  trouble_ = why;
+  step_ = static_cast<Step>(ladder_);
+  ladder_ = std::min(ladder_ + 1, kSteps - 1);
+  ++counters_.steps[static_cast<std::size_t>(*step_)];
+  notes_.push_back(why + ": " + name(*step_));
+  next_step_ = now + options_.step;
+  last_packet_ = now;
+  input_at_frame_ = board_.frames_in;
+  begin_anew();
+}
+
+}  // namespace fpga_stereo::link

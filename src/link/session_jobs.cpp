@@ -1,0 +1,200 @@
+// What a session asks of a board, and in which order. Everything that is written is read back.
+#include <algorithm>
+#include <iomanip>
+#include <memory>
+#include <sstream>
+#include <utility>
+
+#include "fpga_stereo/link/session.hpp"
+
+namespace fpga_stereo::link {
+namespace {
+
+using Values = std::vector<RegisterWrite>;
+
+constexpr std::chrono::milliseconds kApplyTime{2000};  // a frame of the slowest camera, and more
+constexpr std::chrono::milliseconds kApplyPoll{10};
+
+std::string hex(std::uint32_t value) {
+  std::ostringstream text;
+  text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;
+  return text.str();
+}
+
+std::string register_name(std::uint32_t address) {
+  for (const spec::Register& r : spec::register_table()) {
+    if (r.address == address) return r.name;
+  }
+  return hex(address);
+}
+
+std::uint32_t value_of(const Values& values, std::uint32_t address) {
+  for (const RegisterWrite& v : values) {
+    if (v.address == address) return v.value;
+  }
+  return 0;
+}
+
+/// What was read is what was written.
+Status same(const Values& written, const Values& read) {
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    if (read[i].value == written[i].value) continue;
+    return Error{ErrorKind::kIo, "the board holds " + hex(read[i].value) + " in register " +
+                                     register_name(written[i].address) + " instead of " +
+                                     hex(written[i].value)};
+  }
+  return {};
+}
+
+}  // namespace
+
+void Session::begin(Request request, std::function<Status(const Values&)> done) {
+  jobs_.push_back({std::move(request), std::move(done), {}, {}});
+}
+
+void Session::identify() {
+  state_ = State::kIdentifying;
+  begin(read_request(Identity::registers()), [this](const Values& v) { return identified(v); });
+}
+
+Status Session::identified(const Values& values) {
+  identity_ = Identity::from_values(values);
+  if (Status status = identity_->check(); !status) return status;
+  incompatible_ = false;
+  refusal_.clear();
+  state_ = State::kConfiguring;
+  // Nothing comes that nobody has asked for, until it is known what the board computes.
+  write_back({{spec::kRegStreams, 0}});
+  begin(read_request({spec::kRegConfiguration, spec::kRegFramesIn}), [this](const Values& v) {
+    configuration_ = value_of(v, spec::kRegConfiguration);
+    input_at_frame_ = value_of(v, spec::kRegFramesIn);
+    return Status{};
+  });
+  configuration_stale_ = streams_stale_ = true;
+  return {};
+}
+
+void Session::write_back(const Values& writes) {
+  begin(write_request(writes), [](const Values&) { return Status{}; });
+  std::vector<std::uint32_t> addresses;
+  for (const RegisterWrite& w : writes) addresses.push_back(w.address);
+  begin(read_request(addresses), [writes](const Values& read) { return same(writes, read); });
+}
+
+void Session::write_mesh(std::uint32_t right, const std::vector<std::uint32_t>& mesh) {
+  for (std::size_t first = 0; first < mesh.size(); first += kMaxNodes) {
+    const std::size_t count = std::min(kMaxNodes, mesh.size() - first);
+    begin(mesh_request(right != 0, mesh, first, count), [](const Values&) { return Status{}; });
+    const Values expected{
+        {spec::kRegMeshSignature, mesh_signature(mesh, first, count)},
+        {spec::kRegMeshAddress,
+         spec::kMeshAddressCamera.put(right) |
+             spec::kMeshAddressNode.put(static_cast<std::uint32_t>(first + count))}};
+    begin(read_request({spec::kRegMeshSignature, spec::kRegMeshAddress}),
+          [expected](const Values& read) { return same(expected, read); });
+  }
+}
+
+void Session::configure() {
+  configuration_stale_ = false;
+  const GatewareConfiguration& configuration = *wanted_.configuration;
+  write_back(configuration.registers);
+  if (configuration.mesh != meshes_) {
+    meshes_ = {};  // until they have taken effect it is not known which the board has
+    for (std::uint32_t right = 0; right < 2; ++right) write_mesh(right, configuration.mesh[right]);
+  }
+  begin(write_request({{spec::kRegErrors, spec::kErrorsConfig.mask()}}),
+        [this, tag = wanted_.tag](const Values&) {
+          // Before the apply: its first frame may come before its answer.
+          tags_[configuration_ + 1] = tag;
+          return Status{};
+        });
+  begin(write_request({{spec::kRegControl, spec::kControlApply.put(1)}}),
+        [this, meshes = configuration.mesh](const Values&) {
+          apply_deadline_ = now_ + kApplyTime;
+          await_apply(meshes);
+          return Status{};
+        });
+}
+
+void Session::await_apply(const Meshes& meshes) {
+  // At the front: what else waits is for the configuration to come.
+  Job job{read_request({spec::kRegConfiguration, spec::kRegErrors}), {}, {}, now_ + kApplyPoll};
+  job.done = [this, meshes](const Values& v) -> Status {
+    if (spec::kErrorsConfig.get(value_of(v, spec::kRegErrors)) != 0) {
+      return Error{ErrorKind::kInvalid, "the board refuses its configuration: ERRORS.config"};
+    }
+    const std::uint32_t now = value_of(v, spec::kRegConfiguration);
+    if (now != configuration_) {
+      configuration_ = now;
+      meshes_ = meshes;
+      ++counters_.configured;
+      return {};
+    }
+    if (now_ >= apply_deadline_) {
+      return Error{ErrorKind::kTimeout,
+                   "the board does not take its configuration: no frame has ended for 2 s"};
+    }
+    await_apply(meshes);
+    return {};
+  };
+  jobs_.push_front(std::move(job));
+}
+
+void Session::set_streams() {
+  streams_stale_ = false;
+  const auto interval = [](int pairs) { return static_cast<std::uint32_t>(pairs); };
+  write_back(
+      {{spec::kRegInput, spec::kInputHost.put(wanted_.host_input ? 1 : 0)},
+       {spec::kRegFrameInterval, spec::kFrameIntervalPairs.put(interval(wanted_.frame_interval)) |
+                                     spec::kFrameIntervalRaw.put(interval(wanted_.raw_interval))},
+       {spec::kRegMidExposure,
+        spec::kMidExposureUs.put(static_cast<std::uint32_t>(wanted_.mid_exposure.count()))},
+       {spec::kRegStreams, wanted_.streams}});
+}
+
+void Session::settle() {
+  if (state_ == State::kIdentifying || state_ == State::kRefused || !jobs_.empty()) return;
+  if (configuration_stale_ && wanted_.configuration) return configure();
+  if (streams_stale_) return set_streams();
+  attempts_ = 0;
+  state_ = wanted_.streams == 0 ? State::kReady : State::kStreaming;
+}
+
+void Session::poll() {
+  next_poll_ = now_ + options_.poll;
+  if (state_ == State::kRefused) {
+    // It may be flashed while its line stays open.
+    if (incompatible_) identify();
+    return;
+  }
+  begin(read_request({spec::kRegErrors, spec::kRegFramesIn, spec::kRegFramesOut,
+                      spec::kRegCutFrames, spec::kRegLongFrames, spec::kRegBufferErrors,
+                      spec::kRegConfiguration, spec::kRegFramesDropped, spec::kRegBadPackets,
+                      spec::kRegLostPackets, spec::kRegInputErrors, spec::kRegStreams}),
+        [this](const Values& v) { return polled(v); });
+}
+
+Status Session::polled(const Values& v) {
+  if (value_of(v, spec::kRegConfiguration) != configuration_ ||
+      value_of(v, spec::kRegStreams) != wanted_.streams) {
+    if (configuration_stale_ || streams_stale_) return {};
+    return Error{ErrorKind::kIo, "the board was reset"};
+  }
+  board_.errors = value_of(v, spec::kRegErrors);
+  board_.frames_in = value_of(v, spec::kRegFramesIn);
+  board_.frames_out = value_of(v, spec::kRegFramesOut);
+  board_.cut_frames = value_of(v, spec::kRegCutFrames);
+  board_.long_frames = value_of(v, spec::kRegLongFrames);
+  board_.buffer_errors = value_of(v, spec::kRegBufferErrors);
+  board_.frames_dropped = value_of(v, spec::kRegFramesDropped);
+  board_.bad_packets = value_of(v, spec::kRegBadPackets);
+  board_.lost_packets = value_of(v, spec::kRegLostPackets);
+  board_.input_errors = value_of(v, spec::kRegInputErrors);
+  if (frame_came_ || state_ != State::kStreaming) input_at_frame_ = board_.frames_in;
+  frame_came_ = false;
+  if (state_ != State::kStreaming) ladder_ = 0;
+  return {};
+}
+
+}  // namespace fpga_stereo::link

@@ -1,0 +1,64 @@
+#include "fpga_stereo/link/time_sync.hpp"
+
+#include <algorithm>
+
+namespace fpga_stereo::link {
+
+double TimeSync::since_reference(std::uint64_t board_us) const {
+  // The board's clock may wrap.
+  return static_cast<double>(static_cast<std::int64_t>(board_us - board_reference_)) * 1e-6;
+}
+
+bool TimeSync::add(double sent, std::uint64_t board_us, double received) {
+  const double half = (received - sent) / 2;
+  if (half < 0 || half > kLongestHalf) return false;
+  if (samples_.empty()) {
+    board_reference_ = board_us;
+    host_reference_ = sent + half;
+  }
+  const Sample sample{since_reference(board_us), sent + half - host_reference_};
+  if (!samples_.empty() && sample.board <= samples_.back().board) return false;
+  samples_.push_back(sample);
+  if (samples_.size() > kSamples) samples_.pop_front();
+  shortest_half_ = std::min(shortest_half_, half);
+  fit();
+  return true;
+}
+
+void TimeSync::fit() {
+  double board = 0, host = 0;
+  for (const Sample& s : samples_) {
+    board += s.board;
+    host += s.host;
+  }
+  const auto n = static_cast<double>(samples_.size());
+  board /= n;
+  host /= n;
+  double square = 0, product = 0;
+  for (const Sample& s : samples_) {
+    square += (s.board - board) * (s.board - board);
+    product += (s.board - board) * (s.host - host);
+  }
+  // Over a short time what the round trips are off by is more than the drift.
+  constexpr double kShortest = 5;  // s
+  const bool short_time = samples_.back().board - samples_.front().board < kShortest;
+  slope_ = short_time ? 1 : std::clamp(product / square, 1 - kMaxDrift, 1 + kMaxDrift);
+  offset_ = host - slope_ * board;
+}
+
+std::optional<double> TimeSync::to_host(std::uint64_t board_us) {
+  if (samples_.empty()) return std::nullopt;
+  const double board = since_reference(board_us);
+  double host = offset_ + slope_ * board;
+  if (given_ && board >= given_board_) host = std::max(host, given_host_);
+  if (!given_ || board > given_board_) {
+    given_board_ = board;
+    given_host_ = host;
+    given_ = true;
+  }
+  return host_reference_ + host;
+}
+
+void TimeSync::reset() { *this = TimeSync(); }
+
+}  // namespace fpga_stereo::link

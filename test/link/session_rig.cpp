@@ -1,0 +1,92 @@
+#include "link/session_rig.hpp"
+
+#include "support/images.hpp"
+
+namespace fpga_stereo::test {
+
+SessionRig::SessionRig(const sim::SoftwareBoard::Options& options) : board(options) {
+  session.opened(now);
+}
+
+sim::SoftwareBoard::Options SessionRig::small_board() {
+  sim::SoftwareBoard::Options options;
+  options.build.max_width = 64;
+  options.build.disparities = 16;
+  options.build.census_window = 5;
+  options.build.correlation_window = 5;
+  options.build.line_rows = 20;
+  options.build.mesh_nodes = 600;
+  return options;
+}
+
+SessionRig::Setting SessionRig::setting(unsigned seed, cv::Size size) {
+  Setting made;
+  made.parameters.disparity_range = 16;
+  made.parameters.census_window_size = 5;
+  made.parameters.correlation_window_size = 5;
+  made.parameters.speckle_size = static_cast<int>(seed % 30);
+  made.parameters.uniqueness_ratio = seed % 50;
+  made.parameters.subpixel = seed % 3 != 0;
+  StereoGeometry geometry;
+  geometry.image_size = size;
+  made.rectification = no_rectification(geometry, static_cast<int>(seed % 3));
+  return made;
+}
+
+sim::RawPair SessionRig::pair(unsigned seed, cv::Size size) {
+  const cv::Mat1b left = random_image(size, seed);
+  cv::Mat1b right(size);
+  for (int x = 0; x < size.width; ++x) {
+    left.col(std::min(x + 5, size.width - 1)).copyTo(right.col(x));
+  }
+  return {left, right};
+}
+
+cv::Mat1w SessionRig::expected(const sim::RawPair& pair, const Setting& setting) {
+  Pipeline pipeline;
+  return pipeline.process(pair.left, pair.right, setting.rectification, setting.parameters, 1)
+      .disparity.clone();
+}
+
+link::Wanted SessionRig::wanted(const Setting& setting, std::uint64_t tag, unsigned streams) const {
+  link::Wanted wanted;
+  auto made = configuration(small_board().build, setting.parameters, setting.rectification);
+  if (!made) throw std::runtime_error(made.error().message);
+  wanted.configuration = *made;
+  wanted.tag = tag;
+  wanted.streams = streams;
+  return wanted;
+}
+
+void SessionRig::run(int ms) {
+  for (int i = 0; i < ms; ++i) {
+    ++ms_;
+    now += Milliseconds(1);
+    host += 0.001;
+    board.run(Milliseconds(1));
+    if (!pairs.empty() && ms_ % frame_ms == 0) board.feed(pairs[next_pair_++ % pairs.size()]);
+
+    Bytes out = std::exchange(session.outgoing(), {});
+    if (to_board) to_board(out);
+    if (line_open && !out.empty()) board.from_host(out.data(), out.size());
+    Bytes in(1 << 20);
+    in.resize(board.to_host(in.data(), in.size()));
+    if (to_host) to_host(in);
+    if (line_open && !in.empty()) session.receive(in.data(), in.size(), now, host);
+    session.tick(now, host);
+
+    for (auto& r : session.take_received()) received.push_back(std::move(r));
+    for (auto& note : session.take_notes()) notes.push_back(std::move(note));
+    if (const auto step = session.take_step()) steps.push_back(*step);
+  }
+}
+
+bool SessionRig::run_until(const std::function<bool()>& done, int ms) {
+  for (int i = 0; i < ms; ++i) {
+    if (done()) return true;
+    run(1);
+  }
+  return done();
+}
+
+}  // namespace fpga_stereo::test
