@@ -80,6 +80,11 @@ std::uint32_t GatewareBuild::build_register() const {
          put(spec::kBuildCensusFull, census_pattern == CensusPattern::kFull ? 1 : 0);
 }
 
+bool GatewareBuild::operator==(const GatewareBuild& other) const {
+  return build_register() == other.build_register() && line_rows == other.line_rows &&
+         mesh_nodes == other.mesh_nodes;
+}
+
 std::int64_t read_start(const StereoRectification& rectification) {
   constexpr int kBilinear = 2;  // px right of where the lower pair of taps begins
   return std::max({rectification.left.buffer.read_start, rectification.right.buffer.read_start,
@@ -130,6 +135,7 @@ Result<GatewareConfiguration> configuration(const GatewareBuild& build, const Pa
   const auto width = static_cast<std::uint32_t>(size.width);
   const auto uniqueness = std::lround(kUniquenessScale * (1 + p.uniqueness_ratio / 100));
   GatewareConfiguration made;
+  made.build = build;
   made.registers = {
       {spec::kRegWidth, spec::kWidthPixels.put(width)},
       {spec::kRegHeight, spec::kHeightRows.put(size.height)},

@@ -89,7 +89,9 @@ std::string Session::complaint() const {
     case State::kIdentifying:
       return trouble_.empty() ? "the board is being identified" : trouble_;
     case State::kConfiguring:
-      return trouble_.empty() ? "the board is being configured" : trouble_;
+      if (!trouble_.empty()) return trouble_;
+      return jobs_.empty() ? "the board waits for a configuration that it can hold"
+                           : "the board is being configured";
     default:
       return trouble_;
   }

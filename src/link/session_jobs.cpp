@@ -155,7 +155,11 @@ void Session::set_streams() {
 
 void Session::settle() {
   if (state_ == State::kIdentifying || state_ == State::kRefused || !jobs_.empty()) return;
-  if (configuration_stale_ && wanted_.configuration) return configure();
+  if (configuration_stale_) {
+    // Not before there is one that was made for this board.
+    if (wanted_.configuration && wanted_.configuration->build == identity_->build) configure();
+    return;
+  }
   if (streams_stale_) return set_streams();
   attempts_ = 0;
   state_ = wanted_.streams == 0 ? State::kReady : State::kStreaming;

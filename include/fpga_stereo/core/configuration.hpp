@@ -29,6 +29,7 @@ struct GatewareBuild {
                                       std::uint32_t mesh_nodes);
   /// The register BUILD.
   std::uint32_t build_register() const;
+  bool operator==(const GatewareBuild& other) const;
 };
 
 struct RegisterWrite {
@@ -49,6 +50,7 @@ Status check_build(const GatewareBuild& build, const Parameters& parameters,
 
 /// Everything that configures a gateware.
 struct GatewareConfiguration {
+  GatewareBuild build;                             // that it was made for
   std::vector<RegisterWrite> registers;            // the shadow
   std::array<std::vector<std::uint32_t>, 2> mesh;  // left, right: the words for MESH_DATA
 

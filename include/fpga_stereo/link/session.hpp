@@ -28,7 +28,7 @@ namespace fpga_stereo::link {
 
 /// What a board is to do.
 struct Wanted {
-  /// Made for the build of the board that was identified; none: it stays as it is.
+  /// For the build of the board that was identified. Without one that is, no frame comes.
   std::optional<GatewareConfiguration> configuration;
   /// Comes back with every frame that this configuration made.
   std::uint64_t tag = 0;

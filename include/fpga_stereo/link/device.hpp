@@ -1,0 +1,99 @@
+// A board on a line: found, opened, and opened again whenever it comes back. One thread of its own
+// moves the bytes; what comes is handed on from that thread.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "fpga_stereo/link/session.hpp"
+#include "fpga_stereo/link/transport.hpp"
+
+namespace fpga_stereo::link {
+
+class Device {
+ public:
+  struct Options {
+    Opener open;  // how the line is opened
+    Session::Options session;
+    std::chrono::milliseconds retry{500};  // between two attempts to open
+    std::function<double()> host_clock;    // s; default: the system's clock
+  };
+
+  /// Called from the device's own thread. None may wait for another call of the device to end.
+  struct Callbacks {
+    std::function<void(std::vector<Session::Received>)> received;
+    /// A board was identified; want() is to be called with what suits its build.
+    std::function<void(const Identity&)> identified;
+    /// Something has happened that people should know.
+    std::function<void(const std::string&)> note;
+  };
+
+  /// How things are.
+  struct Snapshot {
+    Session::State state = Session::State::kClosed;
+    std::string complaint;    // why there are no frames; empty where there are
+    std::string description;  // of the line; empty: closed
+    std::optional<Identity> identity;
+    BoardCounters board;
+    Session::Counters session;
+    Decoder::Counters line;
+    FrameAssembler::Counters frames;
+    Transport::Counters transport;
+    std::uint64_t opened = 0;      // times
+    double clock_drift = 0;        // s per s
+    double clock_uncertainty = 0;  // s
+  };
+
+  Device(Options options, Callbacks callbacks);
+  /// Switches the streams off, waits half a second at most for the board to have done so, closes.
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  void want(const Wanted& wanted);
+  /// See Session. False also where there is no board.
+  bool send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
+                 std::uint64_t timestamp);
+  /// A request to the board and its answer. Not from a callback.
+  Result<std::vector<RegisterWrite>> ask(const Request& request);
+  /// Resets the board's line as the last step of the watchdog does.
+  void reset();
+  Snapshot snapshot() const;
+
+ private:
+  void run();
+  /// Opens the line or waits; false: there is none.
+  bool open();
+  void close();
+  /// Bytes both ways, once. An error closes the line.
+  Status exchange();
+  void serve(Session::Step step);
+  void hand_on();
+
+  Options options_;
+  Callbacks callbacks_;
+  // Of the thread.
+  std::unique_ptr<Transport> transport_;
+  std::vector<std::uint8_t> in_, out_;
+  std::size_t sent_ = 0;  // of out_
+  bool told_identity_ = false;
+  std::string open_error_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  Session session_;
+  std::string description_, closed_because_;
+  Transport::Counters transport_counters_;
+  std::uint64_t opened_ = 0;
+  bool stopping_ = false, reset_asked_ = false;
+
+  std::thread thread_;
+};
+
+}  // namespace fpga_stereo::link

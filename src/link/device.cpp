@@ -1,0 +1,221 @@
+#include "fpga_stereo/link/device.hpp"
+
+#include <future>
+#include <utility>
+
+namespace fpga_stereo::link {
+namespace {
+
+using Clock = Session::Clock;
+using std::chrono::milliseconds;
+
+constexpr std::size_t kReadBytes = 1 << 20;
+constexpr milliseconds kReadTime{5};  // until what others ask for is sent
+constexpr milliseconds kGoodbye{500};
+
+double system_time() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
+}  // namespace
+
+Device::Device(Options options, Callbacks callbacks)
+    : options_(std::move(options)),
+      callbacks_(std::move(callbacks)),
+      in_(kReadBytes),
+      session_(options_.session),
+      closed_because_("no board was looked for yet") {
+  if (!options_.host_clock) options_.host_clock = system_time;
+  thread_ = std::thread([this] { run(); });
+}
+
+Device::~Device() {
+  Wanted nothing;
+  want(nothing);
+  const auto deadline = Clock::now() + kGoodbye;
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    const auto quiet = [this] { return session_.state() != Session::State::kStreaming; };
+    wake_.wait_until(lock, deadline, quiet);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void Device::want(const Wanted& wanted) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  session_.want(wanted);
+}
+
+bool Device::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
+                       std::uint64_t timestamp) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (session_.state() != Session::State::kStreaming) return false;
+  return session_.send_pair(left, right, frame_id, timestamp);
+}
+
+Result<std::vector<RegisterWrite>> Device::ask(const Request& request) {
+  using Answer = Result<std::vector<RegisterWrite>>;
+  auto promise = std::make_shared<std::promise<Answer>>();
+  std::future<Answer> answer = promise->get_future();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (session_.state() == Session::State::kClosed) {
+      return Error{ErrorKind::kGone, closed_because_};
+    }
+    session_.ask(request, [promise](Answer a) { promise->set_value(std::move(a)); });
+  }
+  return answer.get();
+}
+
+void Device::reset() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  reset_asked_ = true;
+}
+
+Device::Snapshot Device::snapshot() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Snapshot s;
+  s.state = session_.state();
+  s.complaint = s.state == Session::State::kClosed ? closed_because_ : session_.complaint();
+  s.description = description_;
+  s.identity = session_.identity();
+  s.board = session_.board();
+  s.session = session_.counters();
+  s.line = session_.line();
+  s.frames = session_.frames();
+  s.transport = transport_counters_;
+  s.opened = opened_;
+  s.clock_drift = session_.clock().drift();
+  s.clock_uncertainty = session_.clock().uncertainty();
+  return s;
+}
+
+void Device::run() {
+  while (true) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (stopping_) break;
+    }
+    if (!transport_ && !open()) continue;
+    const Status moved = exchange();
+    hand_on();
+    if (!moved) {
+      callbacks_.note(moved.error().message);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      closed_because_ = moved.error().message;
+      close();
+    }
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  close();
+}
+
+bool Device::open() {
+  auto opened = options_.open();
+  if (!opened) {
+    const std::string& why = opened.error().message;
+    if (why != open_error_) callbacks_.note(why);
+    open_error_ = why;
+    std::unique_lock<std::mutex> lock(mutex_);
+    closed_because_ = why;
+    wake_.wait_for(lock, options_.retry, [this] { return stopping_; });
+    return false;
+  }
+  open_error_.clear();
+  transport_ = std::move(*opened);
+  out_.clear();
+  sent_ = 0;
+  told_identity_ = false;
+  std::string description = transport_->description();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    description_ = description;
+    ++opened_;
+    session_.opened(Clock::now());
+  }
+  callbacks_.note("opened " + description);
+  return true;
+}
+
+void Device::close() {
+  session_.closed();
+  description_.clear();
+  transport_.reset();
+}
+
+Status Device::exchange() {
+  if (sent_ == out_.size()) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    out_.clear();
+    sent_ = 0;
+    std::swap(out_, session_.outgoing());
+  }
+  const bool sending = sent_ < out_.size();
+  if (sending) {
+    const auto sent = transport_->write(&out_[sent_], out_.size() - sent_, Transport::Timeout{0});
+    if (!sent) return sent.error();
+    sent_ += *sent;
+  }
+  const bool more = sent_ < out_.size();
+  const auto came =
+      transport_->read(in_.data(), in_.size(), more ? Transport::Timeout{1} : kReadTime);
+  if (!came) return came.error();
+  const auto now = Clock::now();
+  const double host = options_.host_clock();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (*came > 0) session_.receive(in_.data(), *came, now, host);
+  session_.tick(now, host);
+  transport_counters_ = transport_->counters();
+  wake_.notify_all();
+  return {};
+}
+
+void Device::hand_on() {
+  std::vector<Session::Received> received;
+  std::vector<std::string> notes;
+  std::optional<Session::Step> step;
+  std::optional<Identity> identity;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    received = session_.take_received();
+    notes = session_.take_notes();
+    step = session_.take_step();
+    if (std::exchange(reset_asked_, false)) step = Session::Step::kReset;
+    const bool known = session_.identity() && session_.state() != Session::State::kRefused &&
+                       session_.state() != Session::State::kIdentifying;
+    if (known && !told_identity_) identity = session_.identity();
+    told_identity_ = known;
+  }
+  for (const std::string& note : notes) callbacks_.note(note);
+  if (identity) callbacks_.identified(*identity);
+  if (!received.empty()) callbacks_.received(std::move(received));
+  if (step && transport_) serve(*step);
+}
+
+void Device::serve(Session::Step step) {
+  Status done;
+  switch (step) {
+    case Session::Step::kPurge:
+      done = transport_->recover(Recovery::kPurge);
+      break;
+    case Session::Step::kRestart:
+      done = transport_->recover(Recovery::kRestart);
+      break;
+    case Session::Step::kReset:
+      done = transport_->recover(Recovery::kReset);
+      break;
+    case Session::Step::kReopen:
+      break;
+  }
+  if (!done) callbacks_.note(done.error().message);
+  const bool closes = step == Session::Step::kReopen || step == Session::Step::kReset;
+  if (!closes && done) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  closed_because_ = std::string("the line is being opened anew: ") + name(step);
+  close();
+}
+
+}  // namespace fpga_stereo::link

@@ -1,0 +1,212 @@
+// A device: threads, lines that are lost, requests of others.
+#include "fpga_stereo/link/device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "link/session_rig.hpp"
+#include "sim/board_line.hpp"
+#include "support/compare.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+using link::Device;
+using link::Session;
+using link::Stream;
+using std::chrono::milliseconds;
+
+constexpr unsigned kDisparity = 1U << static_cast<unsigned>(Stream::kDisparity);
+
+/// A device on a board of software that two cameras feed.
+class Rig {
+ public:
+  Rig() {
+    Device::Options options;
+    options.open = [this] { return line.open(); };
+    options.retry = milliseconds(5);
+    options.session.step = milliseconds(50);
+    options.session.answer = milliseconds(100);
+    Device::Callbacks callbacks;
+    callbacks.received = [this](std::vector<Session::Received> sets) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      for (Session::Received& r : sets) {
+        if (!same("disparity", expected_, r.set.image(Stream::kDisparity))) ++wrong_;
+        ++good_;
+      }
+    };
+    callbacks.identified = [this](const link::Identity&) { ++identified; };
+    callbacks.note = [this](const std::string& note) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      notes_.push_back(note);
+    };
+    device = std::make_unique<Device>(options, callbacks);
+    feeder_ = std::thread([this] {
+      while (!stop_) {
+        line.feed(pair_);
+        std::this_thread::sleep_for(milliseconds(2));
+      }
+    });
+  }
+  ~Rig() {
+    stop_ = true;
+    feeder_.join();
+    device.reset();
+  }
+
+  void want() {
+    link::Wanted wanted;
+    const auto setting = SessionRig::setting(4);
+    wanted.configuration =
+        *configuration(SessionRig::small_board().build, setting.parameters, setting.rectification);
+    wanted.tag = 4;
+    wanted.streams = kDisparity;
+    device->want(wanted);
+  }
+  int good() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return good_;
+  }
+  int wrong() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return wrong_;
+  }
+  std::vector<std::string> notes() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return notes_;
+  }
+  template <class Condition>
+  static bool wait(const Condition& condition) {
+    for (int i = 0; i < 10000; ++i) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return condition();
+  }
+  bool wait_for_frames(int more) {
+    const int before = good();
+    return wait([&] { return good() >= before + more; });
+  }
+
+  sim::BoardLine line{std::make_unique<sim::SoftwareBoard>(SessionRig::small_board())};
+  std::unique_ptr<Device> device;
+  std::atomic<int> identified{0};
+
+ private:
+  sim::RawPair pair_ = SessionRig::pair(1);
+  cv::Mat1w expected_ = SessionRig::expected(pair_, SessionRig::setting(4));
+  mutable std::mutex mutex_;
+  int good_ = 0, wrong_ = 0;
+  std::vector<std::string> notes_;
+  std::atomic<bool> stop_{false};
+  std::thread feeder_;
+};
+
+TEST(Device, StreamsWhatIsWanted) {
+  Rig rig;
+  rig.want();
+  ASSERT_TRUE(rig.wait_for_frames(10));
+  EXPECT_EQ(rig.identified, 1);
+  const Device::Snapshot s = rig.device->snapshot();
+  EXPECT_EQ(s.state, Session::State::kStreaming);
+  EXPECT_EQ(s.complaint, "");
+  EXPECT_EQ(s.description, "board that is a program");
+  EXPECT_EQ(s.opened, 1U);
+  ASSERT_TRUE(s.identity);
+  EXPECT_EQ(s.identity->build.disparities, 16);
+  EXPECT_EQ(rig.wrong(), 0);
+}
+
+TEST(Device, SurvivesEveryUnplug) {
+  Rig rig;
+  rig.want();
+  for (int i = 0; i < 100; ++i) {
+    std::this_thread::sleep_for(milliseconds(i % 13));
+    rig.line.plug(false);
+    std::this_thread::sleep_for(milliseconds(i % 3));
+    if (i % 2 == 0) rig.line.reset_board();
+    rig.line.plug(true);
+    if (i % 20 == 0) {
+      ASSERT_TRUE(rig.wait_for_frames(2)) << i << rig.device->snapshot().complaint;
+    }
+  }
+  ASSERT_TRUE(rig.wait_for_frames(10));
+  EXPECT_EQ(rig.wrong(), 0);
+  EXPECT_GE(rig.device->snapshot().opened, 20U);
+}
+
+TEST(Device, SaysWhyThereIsNoBoard) {
+  Rig rig;
+  rig.line.plug(false);
+  ASSERT_TRUE(
+      Rig::wait([&] { return rig.device->snapshot().complaint == "no board is plugged in"; }));
+  const auto answer = rig.device->ask(link::read_request({0}));
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().message, "no board is plugged in");
+  std::this_thread::sleep_for(milliseconds(50));
+  const auto notes = rig.notes();
+  EXPECT_EQ(std::count(notes.begin(), notes.end(), "no board is plugged in"), 1) << "said once";
+}
+
+TEST(Device, TheWatchdogsStepsReachTheLine) {
+  Rig rig;
+  rig.want();
+  ASSERT_TRUE(rig.wait_for_frames(3));
+  rig.line.hold(true);
+  ASSERT_TRUE(Rig::wait([&] { return rig.line.recovered(link::Recovery::kReset) >= 1; }));
+  EXPECT_GE(rig.line.recovered(link::Recovery::kPurge), 1);
+  EXPECT_GE(rig.line.recovered(link::Recovery::kRestart), 1);
+  EXPECT_GE(rig.device->snapshot().opened, 2U);
+  rig.line.hold(false);
+  ASSERT_TRUE(rig.wait_for_frames(3));
+  EXPECT_EQ(rig.wrong(), 0);
+}
+
+TEST(Device, ResetOpensTheLineAnew) {
+  Rig rig;
+  rig.want();
+  ASSERT_TRUE(rig.wait_for_frames(3));
+  rig.device->reset();
+  ASSERT_TRUE(Rig::wait([&] { return rig.device->snapshot().opened == 2; }));
+  EXPECT_EQ(rig.line.recovered(link::Recovery::kReset), 1);
+  ASSERT_TRUE(rig.wait_for_frames(3));
+}
+
+TEST(Device, AnswersOthersWhileItStreams) {
+  Rig rig;
+  rig.want();
+  ASSERT_TRUE(rig.wait_for_frames(3));
+  std::vector<std::thread> threads;
+  std::atomic<int> right{0};
+  for (int t = 0; t < 3; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 20; ++i) {
+        const auto values = rig.device->ask(link::read_request({spec::kRegSpecHash}));
+        if (values && (*values)[0].value == kSpecHash) ++right;
+      }
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(right, 60);
+}
+
+TEST(Device, LeavesABoardThatIsSilent) {
+  Rig rig;
+  rig.want();
+  ASSERT_TRUE(rig.wait_for_frames(3));
+  rig.device.reset();
+  auto line = rig.line.open();
+  ASSERT_TRUE(line);
+  std::vector<std::uint8_t> bytes(1 << 20);
+  std::size_t came = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto n = (*line)->read(bytes.data(), bytes.size(), milliseconds(5));
+    ASSERT_TRUE(n);
+    came += i < 2 ? 0 : *n;  // what was on its way
+  }
+  EXPECT_LT(came, 200U);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test
