@@ -1,0 +1,45 @@
+// The one umockdev testbed of this process: the tree of USB devices that libusb sees in place of
+// the real one.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "sim/usbfs_device.hpp"
+
+struct _UMockdevTestbed;
+struct _UMockdevIoctlBase;
+
+namespace fpga_stereo::sim {
+
+class UsbTestbed {
+ public:
+  /// Made by the first call, before the first use of libusb; lasts as long as the process.
+  static UsbTestbed& get();
+
+  /// A device's file, under a number that was not in use before, and the FIFO behind it.
+  std::string make_node(_UMockdevIoctlBase* handler, int& fifo);
+  /// Shows a device (and the hubs above it) to libusb; its path in sysfs.
+  std::string add(const UsbfsDevice::Identity& identity, const std::string& node);
+  void remove(const std::string& syspath, const std::string& node);
+
+  void permit(const std::string& node, bool others);
+  std::vector<std::string> environment() const;
+
+ private:
+  UsbTestbed();
+  ~UsbTestbed();
+  void describe(const std::string& text);
+  void add_hub(const std::string& name, const std::string& path);
+
+  std::mutex mutex_;
+  _UMockdevTestbed* testbed_;
+  std::string root_;
+  int last_number_ = 0;
+  std::map<std::string, std::string> hubs_;  // name, path
+};
+
+}  // namespace fpga_stereo::sim

@@ -1,0 +1,66 @@
+#include <libusb.h>
+
+#include <atomic>
+#include <thread>
+
+#include "usb_device.hpp"
+
+namespace fpga_stereo::link {
+
+struct HotplugWatch::State {
+  UsbContext context;  // none where libusb does not start
+  libusb_hotplug_callback_handle callback = 0;
+  bool registered = false;
+  std::atomic<int> changed{0}, interrupted{0};
+
+  static int LIBUSB_CALL on_change(libusb_context*, libusb_device*, libusb_hotplug_event,
+                                   void* state) {
+    static_cast<State*>(state)->changed = 1;
+    return 0;
+  }
+};
+
+HotplugWatch::HotplugWatch() : state_(std::make_unique<State>()) {
+  const auto context = make_usb_context();
+  if (!context) return;
+  state_->context = *context;
+  if (libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;
+  const int events = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
+  state_->registered =
+      libusb_hotplug_register_callback(
+          state_->context.get(), static_cast<libusb_hotplug_event>(events),
+          static_cast<libusb_hotplug_flag>(0), kUsbVendor, kUsbProduct, LIBUSB_HOTPLUG_MATCH_ANY,
+          &State::on_change, state_.get(), &state_->callback) == LIBUSB_SUCCESS;
+}
+
+HotplugWatch::~HotplugWatch() {
+  if (state_->registered) {
+    libusb_hotplug_deregister_callback(state_->context.get(), state_->callback);
+  }
+}
+
+bool HotplugWatch::wait(std::chrono::milliseconds timeout) {
+  using Clock = std::chrono::steady_clock;
+  const auto until = Clock::now() + timeout;
+  while (state_->changed == 0 && state_->interrupted == 0) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    if (left.count() <= 0) break;
+    if (!state_->context) {
+      std::this_thread::sleep_for(std::min(left, std::chrono::milliseconds(100)));
+      continue;
+    }
+    // In pieces: an interrupt between the question above and this call would be lost otherwise.
+    const auto piece = std::min(left, std::chrono::milliseconds(500));
+    timeval wait{0, static_cast<suseconds_t>(piece.count() * 1000)};
+    libusb_handle_events_timeout_completed(state_->context.get(), &wait, nullptr);
+  }
+  if (state_->interrupted.exchange(0) != 0) return false;
+  return state_->changed.exchange(0) != 0;
+}
+
+void HotplugWatch::interrupt() {
+  state_->interrupted = 1;
+  if (state_->context) libusb_interrupt_event_handler(state_->context.get());
+}
+
+}  // namespace fpga_stereo::link

@@ -1,0 +1,243 @@
+// termios2, which takes any rate; its header and <termios.h> exclude each other.
+#include "fpga_stereo/link/serial.hpp"
+
+#include <asm/termbits.h>
+#include <fcntl.h>
+#include <grp.h>
+#include <linux/serial.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+namespace fpga_stereo::link {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A rate is made by division: further off than this, bytes are lost (UARTs stand about 4 %).
+constexpr double kBaudTolerance = 0.03;
+
+class SerialTransport : public Transport {
+ public:
+  SerialTransport(int file, std::string path, int baud)
+      : file_(file), path_(std::move(path)), baud_(baud) {}
+  SerialTransport(const SerialTransport&) = delete;
+  SerialTransport& operator=(const SerialTransport&) = delete;
+  ~SerialTransport() override { close(file_); }
+
+  Status set_up() const;
+  Result<std::size_t> read(std::uint8_t* bytes, std::size_t size, Timeout timeout) override;
+  Result<std::size_t> write(const std::uint8_t* bytes, std::size_t size, Timeout timeout) override;
+  Status recover(Recovery step) override;
+  std::string description() const override {
+    return path_ + " at " + std::to_string(baud_) + " baud";
+  }
+  Counters counters() const override;
+
+ private:
+  Error gone() const { return {ErrorKind::kGone, path_ + " is gone: it was unplugged"}; }
+  Error failure(int code, const char* what) const;
+  std::optional<Error> wait(short events, Clock::time_point until) const;
+  std::uint64_t line_errors() const;
+
+  const int file_;
+  const std::string path_;
+  const int baud_;
+  std::atomic<bool> gone_{false};
+  std::atomic<std::uint64_t> bytes_in_{0}, bytes_out_{0};
+};
+
+Status SerialTransport::set_up() const {
+  struct termios2 settings {};
+  if (ioctl(file_, TCGETS2, &settings) != 0) return serial_error(errno, path_);
+  settings.c_iflag = 0;
+  settings.c_oflag = 0;
+  settings.c_lflag = 0;
+  settings.c_cflag = BOTHER | (BOTHER << IBSHIFT) | CS8 | CREAD | CLOCAL;
+  settings.c_ispeed = settings.c_ospeed = static_cast<speed_t>(baud_);
+  settings.c_cc[VMIN] = 1;  // so that reading nothing means the end
+  settings.c_cc[VTIME] = 0;
+  if (ioctl(file_, TCSETS2, &settings) != 0) return serial_error(errno, path_);
+  if (ioctl(file_, TCGETS2, &settings) != 0) return serial_error(errno, path_);
+  const double rate = settings.c_ospeed;
+  if (rate < baud_ * (1 - kBaudTolerance) || rate > baud_ * (1 + kBaudTolerance)) {
+    return Error{ErrorKind::kIo, path_ + " cannot do " + std::to_string(baud_) +
+                                     " baud, the nearest is " + std::to_string(settings.c_ospeed)};
+  }
+  // A pty has no such lines.
+  const int lines = TIOCM_DTR | TIOCM_RTS;
+  ioctl(file_, TIOCMBIS, &lines);
+  return {};
+}
+
+Error SerialTransport::failure(int code, const char* what) const {
+  if (code == EIO || code == ENXIO || code == ENODEV) return gone();
+  return {ErrorKind::kIo, path_ + " cannot be " + what + ": " + std::strerror(code)};
+}
+
+/// Until the line is ready or the time is over; an error if it is neither to be had.
+std::optional<Error> SerialTransport::wait(short events, Clock::time_point until) const {
+  for (;;) {
+    const auto left = std::chrono::ceil<Timeout>(until - Clock::now()).count();
+    pollfd line{file_, events, 0};
+    const int code = poll(&line, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 60'000)));
+    if (code < 0 && errno != EINTR) return failure(errno, "waited for");
+    if (code > 0 || left <= 0) return std::nullopt;
+  }
+}
+
+Result<std::size_t> SerialTransport::read(std::uint8_t* bytes, std::size_t size, Timeout timeout) {
+  if (gone_) return gone();
+  if (size == 0) return std::size_t{0};
+  if (const auto error = wait(POLLIN, Clock::now() + timeout)) return *error;
+  const ssize_t got = ::read(file_, bytes, size);
+  if (got > 0) {
+    bytes_in_ += static_cast<std::uint64_t>(got);
+    return static_cast<std::size_t>(got);
+  }
+  if (got < 0 && (errno == EAGAIN || errno == EINTR)) return std::size_t{0};
+  const Error error = got == 0 ? gone() : failure(errno, "read");
+  gone_ = error.kind == ErrorKind::kGone;
+  return error;
+}
+
+Result<std::size_t> SerialTransport::write(const std::uint8_t* bytes, std::size_t size,
+                                           Timeout timeout) {
+  const auto until = Clock::now() + timeout;
+  std::size_t done = 0;
+  while (done < size) {
+    if (gone_) return gone();
+    const ssize_t went = ::write(file_, bytes + done, size - done);
+    if (went > 0) {
+      done += static_cast<std::size_t>(went);
+      bytes_out_ += static_cast<std::uint64_t>(went);
+      continue;
+    }
+    if (went < 0 && errno != EAGAIN && errno != EINTR) {
+      const Error error = failure(errno, "written");
+      gone_ = error.kind == ErrorKind::kGone;
+      return error;
+    }
+    if (Clock::now() >= until) break;
+    if (const auto error = wait(POLLOUT, until)) return *error;
+  }
+  return done;
+}
+
+Status SerialTransport::recover(Recovery step) {
+  if (gone_) return gone();
+  if (ioctl(file_, TCFLSH, TCIOFLUSH) != 0) return failure(errno, "purged");
+  if (step == Recovery::kPurge) return {};
+  if (step == Recovery::kRestart) return set_up();
+  // All that can be done to what is at the other end.
+  const int lines = TIOCM_DTR | TIOCM_RTS;
+  ioctl(file_, TIOCMBIC, &lines);
+  gone_ = true;
+  return {};
+}
+
+/// What the chip or the kernel lost; a pty cannot tell.
+std::uint64_t SerialTransport::line_errors() const {
+  serial_icounter_struct counts{};
+  if (ioctl(file_, TIOCGICOUNT, &counts) != 0) return 0;
+  return static_cast<std::uint64_t>(counts.overrun) + counts.buf_overrun + counts.frame;
+}
+
+Transport::Counters SerialTransport::counters() const {
+  return {bytes_in_, bytes_out_, line_errors()};
+}
+
+std::string group_of(const std::string& path) {
+  struct stat state {};
+  if (stat(path.c_str(), &state) != 0) return "";
+  const group* entry = getgrgid(state.st_gid);
+  return entry == nullptr ? std::to_string(state.st_gid) : entry->gr_name;
+}
+
+std::string known_lines() {
+  std::string text;
+  for (const auto& line : list_serial()) text += (text.empty() ? "" : ", ") + line.name;
+  return text.empty() ? "none is there" : "there are: " + text;
+}
+
+}  // namespace
+
+Error serial_error(int code, const std::string& path) {
+  const std::string message = path + " cannot be opened: " + std::strerror(code);
+  switch (code) {
+    case ENOENT:
+    case ENXIO:
+    case ENODEV:
+    case EIO:  // its device has just gone
+      return {ErrorKind::kNotFound, message + "; of serial lines " + known_lines()};
+    case EBUSY:
+    case EWOULDBLOCK:
+      return {ErrorKind::kBusy, path + " is in use by another program: end that one first"};
+    case EACCES:
+    case EPERM: {
+      const std::string group = group_of(path);
+      return {
+          ErrorKind::kPermission,
+          message + (group.empty() ? ""
+                                   : "; it belongs to group " + group + ": run 'sudo usermod -aG " +
+                                         group + " $USER' and log in again")};
+    }
+    case ENOTTY:
+      return {ErrorKind::kIo, path + " is no serial line"};
+    default:
+      return {ErrorKind::kIo, message};
+  }
+}
+
+Result<std::unique_ptr<Transport>> open_serial(const std::string& path, int baud) {
+  // Without O_NONBLOCK, opening waits for a carrier.
+  const int file = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return serial_error(errno, path);
+  auto transport = std::make_unique<SerialTransport>(file, path, baud);
+  if (isatty(file) == 0) return serial_error(ENOTTY, path);
+  // The lock is for all programs that ask for it, TIOCEXCL for all others but root's.
+  if (flock(file, LOCK_EX | LOCK_NB) != 0) return serial_error(errno, path);
+  if (ioctl(file, TIOCEXCL) != 0) return serial_error(errno, path);
+  if (const Status set_up = transport->set_up(); !set_up) return set_up.error();
+  ioctl(file, TCFLSH, TCIOFLUSH);
+  return std::unique_ptr<Transport>(std::move(transport));
+}
+
+std::vector<FoundDevice> list_serial(const std::string& dev) {
+  namespace fs = std::filesystem;
+  std::vector<FoundDevice> found;
+  const auto add = [&](const fs::path& folder, const std::vector<std::string>& prefixes) {
+    std::error_code failed;
+    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
+         entry.increment(failed)) {
+      const std::string file = entry->path().filename().string();
+      for (const auto& prefix : prefixes) {
+        if (file.compare(0, prefix.size(), prefix) != 0) continue;
+        std::error_code none;
+        const auto target = fs::canonical(entry->path(), none);
+        found.push_back({"serial:" + entry->path().string(),
+                         "serial line " + (none ? file : target.filename().string())});
+        break;
+      }
+    }
+  };
+  add(dev + "/serial/by-id", {""});
+  if (found.empty()) add(dev, {"ttyUSB", "ttyACM"});
+  std::sort(found.begin(), found.end(),
+            [](const FoundDevice& a, const FoundDevice& b) { return a.name < b.name; });
+  return found;
+}
+
+}  // namespace fpga_stereo::link

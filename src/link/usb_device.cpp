@@ -1,0 +1,240 @@
+#include "usb_device.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <regex>
+#include <utility>
+
+namespace fpga_stereo::link {
+namespace {
+
+constexpr unsigned kRequestTimeout = 500;  // ms
+constexpr int kInterface = 0;
+
+/// A board that is plugged in.
+struct Board {
+  std::shared_ptr<libusb_device> device;
+  std::string port;  // "1-2.3"
+  std::string serial, product;
+  int open_error = 0;  // of libusb; serial and product are unknown then
+
+  std::string text() const {
+    if (open_error != 0) return "port " + port + " (" + libusb_error_name(open_error) + ")";
+    return "serial number " + (serial.empty() ? "(none)" : serial) + " at port " + port;
+  }
+  std::string name() const {
+    return "USB " + port + (serial.empty() ? "" : ", serial number " + serial);
+  }
+};
+
+std::string port_of(libusb_device* device) {
+  std::array<std::uint8_t, 8> ports{};
+  const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
+  std::string text = std::to_string(libusb_get_bus_number(device));
+  for (int i = 0; i < depth; ++i) {
+    text += (i == 0 ? "-" : ".") + std::to_string(ports[static_cast<std::size_t>(i)]);
+  }
+  return text;
+}
+
+std::string text_of(libusb_device_handle* handle, std::uint8_t index) {
+  std::array<unsigned char, 256> text{};
+  if (index == 0) return "";
+  const int size =
+      libusb_get_string_descriptor_ascii(handle, index, text.data(), static_cast<int>(text.size()));
+  return size < 0 ? "" : std::string(text.begin(), text.begin() + size);
+}
+
+std::vector<Board> find_boards(const UsbContext& context) {
+  std::vector<Board> boards;
+  libusb_device** list = nullptr;
+  const auto count = libusb_get_device_list(context.get(), &list);
+  for (ssize_t i = 0; i < count; ++i) {
+    libusb_device_descriptor descriptor{};
+    if (libusb_get_device_descriptor(list[i], &descriptor) != 0) continue;
+    if (descriptor.idVendor != kUsbVendor || descriptor.idProduct != kUsbProduct) continue;
+    Board board;
+    // The device lives no longer than its context.
+    board.device = {libusb_ref_device(list[i]),
+                    [context](libusb_device* device) { libusb_unref_device(device); }};
+    board.port = port_of(list[i]);
+    libusb_device_handle* handle = nullptr;
+    board.open_error = libusb_open(list[i], &handle);
+    if (board.open_error == 0) {
+      board.serial = text_of(handle, descriptor.iSerialNumber);
+      board.product = text_of(handle, descriptor.iProduct);
+      libusb_close(handle);
+    }
+    boards.push_back(board);
+  }
+  if (list != nullptr) libusb_free_device_list(list, 1);
+  std::sort(boards.begin(), boards.end(),
+            [](const Board& a, const Board& b) { return a.port < b.port; });
+  return boards;
+}
+
+bool is_selected(const Board& board, const UsbSelection& selection, const std::regex& regex) {
+  switch (selection.by) {
+    case UsbSelection::By::kFirst:
+      return true;
+    case UsbSelection::By::kSerial:
+      return board.open_error == 0 && board.serial == selection.value;
+    case UsbSelection::By::kPort:
+      return board.port == selection.value;
+    case UsbSelection::By::kMatch:
+      return board.open_error == 0 &&
+             (std::regex_search(board.serial, regex) || std::regex_search(board.product, regex));
+  }
+  return false;
+}
+
+Error not_found(const UsbSelection& selection, const std::vector<Board>& boards) {
+  std::string wanted = "no USB board (FT232H, 0403:6014)";
+  if (selection.by == UsbSelection::By::kSerial) wanted += " with serial number ";
+  if (selection.by == UsbSelection::By::kPort) wanted += " at port ";
+  if (selection.by == UsbSelection::By::kMatch) wanted += " whose serial number or name matches ";
+  wanted += selection.value;
+  if (boards.empty()) {
+    return {ErrorKind::kNotFound, wanted + ": none is there; is it plugged in and powered?"};
+  }
+  std::string there;
+  int closed = 0;  // what they are called is unknown: one of them may be it
+  for (const auto& board : boards) {
+    there += (there.empty() ? "" : "; ") + board.text();
+    if (board.open_error != 0) closed = board.open_error;
+  }
+  if (closed == LIBUSB_ERROR_ACCESS) {
+    return usb_error(closed, wanted + " among those that may be opened (" + there + ")");
+  }
+  return {ErrorKind::kNotFound, wanted + "; there are: " + there};
+}
+
+/// The endpoints of interface 0.
+Status find_endpoints(libusb_device* device, UsbDevice& opened) {
+  libusb_config_descriptor* raw = nullptr;
+  if (const int code = libusb_get_active_config_descriptor(device, &raw); code != 0) {
+    return usb_error(code, opened.name + ": no configuration descriptor");
+  }
+  const std::unique_ptr<libusb_config_descriptor, decltype(&libusb_free_config_descriptor)>
+      configuration(raw, &libusb_free_config_descriptor);
+  if (configuration->bNumInterfaces > kInterface &&
+      configuration->interface[kInterface].num_altsetting > 0) {
+    const auto& interface = configuration->interface[kInterface].altsetting[0];
+    for (int i = 0; i < interface.bNumEndpoints; ++i) {
+      const auto& endpoint = interface.endpoint[i];
+      if ((endpoint.bmAttributes & 3) != LIBUSB_TRANSFER_TYPE_BULK) continue;
+      const bool in = (endpoint.bEndpointAddress & LIBUSB_ENDPOINT_IN) != 0;
+      (in ? opened.in : opened.out) = endpoint.bEndpointAddress;
+      if (in) opened.packet = endpoint.wMaxPacketSize;
+    }
+  }
+  // Packets have two bytes of status: a chip whose packets are not longer sends nothing else.
+  if (opened.in == 0 || opened.out == 0 || opened.packet < 8 || opened.packet > 1024) {
+    return Error{ErrorKind::kIo,
+                 opened.name + " does not have the two bulk endpoints of an FT232H"};
+  }
+  return {};
+}
+
+Result<UsbDevice> open_board(const UsbContext& context, const Board& board) {
+  UsbDevice opened;
+  opened.context = context;
+  opened.name = board.name();
+  libusb_device_handle* raw = nullptr;
+  if (const int code = libusb_open(board.device.get(), &raw); code != 0) {
+    return usb_error(code, opened.name + " cannot be opened");
+  }
+  opened.handle = {raw, [context](libusb_device_handle* handle) {
+                     libusb_release_interface(handle, kInterface);
+                     libusb_close(handle);
+                   }};
+  if (const Status found = find_endpoints(board.device.get(), opened); !found) return found.error();
+  // ftdi_sio, where it is bound, makes a serial line of the chip.
+  libusb_set_auto_detach_kernel_driver(raw, 1);
+  if (const int code = libusb_claim_interface(raw, kInterface); code != 0) {
+    return usb_error(code, opened.name + " cannot be claimed");
+  }
+  return opened;
+}
+
+}  // namespace
+
+Result<UsbContext> make_usb_context() {
+  libusb_context* context = nullptr;
+  if (const int code = libusb_init(&context); code != 0) {
+    return usb_error(code, "libusb does not start");
+  }
+  return UsbContext(context, [](libusb_context* made) { libusb_exit(made); });
+}
+
+Error usb_error(int code, const std::string& what) {
+  const std::string message = what + ": " + libusb_strerror(static_cast<libusb_error>(code));
+  switch (code) {
+    case LIBUSB_ERROR_NO_DEVICE:
+      return {ErrorKind::kGone, message + "; it was unplugged, or has lost its power"};
+    case LIBUSB_ERROR_BUSY:
+      return {ErrorKind::kBusy, message + "; another program uses it: end that one first"};
+    case LIBUSB_ERROR_ACCESS:
+      return {ErrorKind::kPermission,
+              message +
+                  "; copy config/70-fpga-stereo.rules of this package to /etc/udev/rules.d, run "
+                  "'udevadm control --reload', and plug the board in again"};
+    case LIBUSB_ERROR_TIMEOUT:
+      return {ErrorKind::kIo, message + "; unplug it and plug it in again"};
+    default:
+      return {ErrorKind::kIo, message};
+  }
+}
+
+Status UsbDevice::send(std::uint8_t request, std::uint16_t value, std::uint16_t index) const {
+  const int code = libusb_control_transfer(
+      handle.get(), static_cast<std::uint8_t>(LIBUSB_REQUEST_TYPE_VENDOR) | LIBUSB_RECIPIENT_DEVICE,
+      request, value, index, nullptr, 0, kRequestTimeout);
+  if (code >= 0) return {};
+  return usb_error(code, name + " does not take request " + std::to_string(request) + " (value " +
+                             std::to_string(value) + ")");
+}
+
+Status UsbDevice::receive(std::uint8_t request, std::uint16_t index, std::uint8_t* bytes,
+                          std::uint16_t size) const {
+  const int code = libusb_control_transfer(handle.get(),
+                                           static_cast<std::uint8_t>(LIBUSB_REQUEST_TYPE_VENDOR) |
+                                               LIBUSB_RECIPIENT_DEVICE | LIBUSB_ENDPOINT_IN,
+                                           request, 0, index, bytes, size, kRequestTimeout);
+  if (code == size) return {};
+  return usb_error(code < 0 ? code : LIBUSB_ERROR_IO,
+                   name + " does not answer request " + std::to_string(request));
+}
+
+Result<UsbDevice> open_usb_device(const UsbSelection& selection) {
+  std::regex regex;
+  if (selection.by == UsbSelection::By::kMatch) {
+    try {
+      regex = std::regex(selection.value);
+    } catch (const std::regex_error& error) {
+      return Error{ErrorKind::kInvalid,
+                   "'" + selection.value + "' is no regular expression: " + error.what()};
+    }
+  }
+  const auto context = make_usb_context();
+  if (!context) return context.error();
+  const auto boards = find_boards(*context);
+  for (const auto& board : boards) {
+    if (is_selected(board, selection, regex)) return open_board(*context, board);
+  }
+  return not_found(selection, boards);
+}
+
+std::vector<FoundDevice> list_usb() {
+  std::vector<FoundDevice> found;
+  const auto context = make_usb_context();
+  if (!context) return found;
+  for (const auto& board : find_boards(*context)) {
+    const std::string product = board.product.empty() ? "FT232H" : board.product;
+    found.push_back({"usb:port=" + board.port, product + ", " + board.text()});
+  }
+  return found;
+}
+
+}  // namespace fpga_stereo::link
