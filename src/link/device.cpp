@@ -82,6 +82,7 @@ Device::Snapshot Device::snapshot() const {
   s.complaint = s.state == Session::State::kClosed ? closed_because_ : session_.complaint();
   s.description = description_;
   s.identity = session_.identity();
+  s.configured_tag = session_.configured();
   s.board = session_.board();
   s.session = session_.counters();
   s.line = session_.line();

@@ -97,6 +97,12 @@ std::string Session::complaint() const {
   }
 }
 
+std::optional<std::uint64_t> Session::configured() const {
+  const auto after = tags_.upper_bound(configuration_);
+  if (configuration_stale_ || after == tags_.begin() || after != tags_.end()) return std::nullopt;
+  return std::prev(after)->second;
+}
+
 std::optional<Session::Step> Session::take_step() { return std::exchange(step_, std::nullopt); }
 
 std::vector<Session::Received> Session::take_received() { return std::exchange(received_, {}); }

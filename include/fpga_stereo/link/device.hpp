@@ -40,6 +40,7 @@ class Device {
     std::string complaint;    // why there are no frames; empty where there are
     std::string description;  // of the line; empty: closed
     std::optional<Identity> identity;
+    std::optional<std::uint64_t> configured_tag;  // of what the board computes with
     BoardCounters board;
     Session::Counters session;
     Decoder::Counters line;

@@ -121,6 +121,8 @@ class Session {
   /// Why there are no frames, for people; empty where there are.
   std::string complaint() const;
   const std::optional<Identity>& identity() const { return identity_; }
+  /// The tag of the configuration that the board has, once it has one of ours and no other waits.
+  std::optional<std::uint64_t> configured() const;
   const BoardCounters& board() const { return board_; }
   const Counters& counters() const { return counters_; }
   const Decoder::Counters& line() const { return decoder_.counters(); }

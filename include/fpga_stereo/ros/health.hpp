@@ -24,6 +24,7 @@ enum class DropCause {
   kImageSize,
   kUncalibrated,
   kCalibration,
+  kLink,
 };
 
 /// By DropCause: its words, and its field in the status message.
@@ -31,7 +32,7 @@ struct DropCauseInfo {
   const char* words;
   std::uint64_t StereoStatus::*field;
 };
-constexpr std::array<DropCauseInfo, 8> kDropCauses{{
+constexpr std::array<DropCauseInfo, 9> kDropCauses{{
     {"not synchronised", &StereoStatus::dropped_unsynchronized},
     {"replaced by a newer frame", &StereoStatus::dropped_replaced},
     {"nobody listens any more", &StereoStatus::dropped_unwanted},
@@ -40,6 +41,7 @@ constexpr std::array<DropCauseInfo, 8> kDropCauses{{
     {"image size", &StereoStatus::dropped_image_size},
     {"uncalibrated", &StereoStatus::dropped_uncalibrated},
     {"calibration", &StereoStatus::dropped_calibration},
+    {"link to the board", &StereoStatus::dropped_link},
 }};
 
 /// The cause that an error of core stands for.

@@ -1,0 +1,115 @@
+#include "fpga_stereo/ros/board_report.hpp"
+
+#include <numeric>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+namespace fpga_stereo {
+namespace {
+
+using link::Device;
+using link::Session;
+
+std::uint64_t recoveries(const Device::Snapshot& board) {
+  const auto& steps = board.session.steps;
+  return std::accumulate(steps.begin(), steps.end(), std::uint64_t{0});
+}
+
+std::uint64_t bad_packets(const Device::Snapshot& board) {
+  return board.line.bad_headers + board.line.bad_payloads + board.board.bad_packets;
+}
+
+template <class T>
+std::string text(const T& value) {
+  std::ostringstream stream;
+  stream << value;
+  return stream.str();
+}
+
+using Lines = std::vector<std::pair<std::string, std::string>>;
+
+Lines lines(const Device::Snapshot& board) {
+  Lines all{{"state", name(board.state)},
+            {"line", board.description.empty() ? "closed" : board.description}};
+  if (board.identity) {
+    const link::Identity& id = *board.identity;
+    std::ostringstream hash;
+    hash << "0x" << std::hex << std::uppercase << id.spec_hash;
+    all.insert(all.end(), {{"gateware", id.text()}, {"specification", hash.str()}});
+  }
+  return all;
+}
+
+}  // namespace
+
+void fill(const Device::Snapshot& board, const Verifier::Counters& verified, StereoStatus& status) {
+  if (board.state == Session::State::kClosed) {
+    status.board = "none: " + board.complaint;
+  } else {
+    status.board = std::string(name(board.state)) + ", " + board.description;
+    if (board.identity) status.board += ", " + board.identity->text();
+  }
+  status.board_opened = static_cast<std::uint32_t>(board.opened);
+  status.board_recoveries = static_cast<std::uint32_t>(recoveries(board));
+  status.board_bad_packets = bad_packets(board);
+  status.board_frames_dropped = board.board.frames_dropped;
+  status.verified_frames = verified.frames;
+  status.verified_pixels_differ = verified.pixels_differ;
+}
+
+void report_board(const Device::Snapshot& board, const Verifier::Counters& verified,
+                  const std::string& unable, diagnostic_updater::DiagnosticStatusWrapper& report) {
+  using Level = diagnostic_msgs::DiagnosticStatus;
+  if (verified.pixels_differ > 0) {
+    report.summary(Level::ERROR, "the board's disparity is not that of the software");
+  } else if (!board.complaint.empty()) {
+    report.summary(board.state == Session::State::kRefused ? Level::ERROR : Level::WARN,
+                   board.complaint);
+  } else if (!unable.empty()) {
+    report.summary(Level::WARN, "the board cannot make this disparity: " + unable);
+  } else {
+    report.summary(Level::OK, name(board.state));
+  }
+  for (const auto& [key, value] : lines(board)) report.add(key, value);
+  report.add("times opened", board.opened);
+  for (int step = 0; step < Session::kSteps; ++step) {
+    report.add(std::string("recovery: ") + name(static_cast<Session::Step>(step)),
+               board.session.steps[static_cast<std::size_t>(step)]);
+  }
+  report.add("requests", board.session.requests);
+  report.add("requests repeated", board.session.repeated);
+  report.add("bytes in", board.transport.bytes_in);
+  report.add("packets in", board.line.packets);
+  report.add("packets lost", board.line.lost);
+  report.add("packets damaged", board.line.bad_headers + board.line.bad_payloads);
+  report.add("frames good", board.frames.good);
+  report.add("frames dropped", board.frames.dropped);
+  report.add("board: frames in", board.board.frames_in);
+  report.add("board: frames cut", board.board.cut_frames);
+  report.add("board: frames too long", board.board.long_frames);
+  report.add("board: frames beyond the line buffer", board.board.buffer_errors);
+  report.add("board: frames dropped", board.board.frames_dropped);
+  report.add("board: packets damaged", board.board.bad_packets);
+  report.add("clock drift (us/s)", board.clock_drift * 1e6);
+  report.add("clock uncertainty (ms)", board.clock_uncertainty * 1e3);
+  report.add("verified frames", verified.frames);
+  report.add("verified pixels that differ", verified.pixels_differ);
+}
+
+std::string device_info(const Device::Snapshot& board) {
+  std::string all;
+  for (const auto& [key, value] : lines(board)) all += key + ": " + value + "\n";
+  if (!board.complaint.empty()) all += "complaint: " + board.complaint + "\n";
+  if (board.identity) {
+    const link::Identity& id = *board.identity;
+    for (int s = 1; s < link::kNumStreams; ++s) {
+      const auto stream = static_cast<link::Stream>(s);
+      all += std::string("stream ") + name(stream) + ": " + (id.can(stream) ? "yes" : "no") + "\n";
+    }
+    all += "mesh nodes: " + text(id.build.mesh_nodes) + "\n";
+  }
+  return all;
+}
+
+}  // namespace fpga_stereo

@@ -1,0 +1,395 @@
+#include "fpga_stereo/ros/board_source.hpp"
+
+#include <ros/console.h>
+
+#include <cmath>
+#include <utility>
+
+#include "fpga_stereo/ros/conversions.hpp"
+#include "fpga_stereo/ros/make_frame.hpp"
+
+namespace fpga_stereo {
+namespace {
+
+using link::Session;
+using link::Stream;
+
+constexpr std::size_t kKeptConfigurations = 8;  // frames of older ones are long through
+constexpr std::size_t kMostSent = 4;            // pairs under way in the board
+
+constexpr unsigned bit(Stream stream) { return 1U << static_cast<unsigned>(stream); }
+
+link::Device::Options device_options(const BoardSettings& settings, link::Opener open) {
+  link::Device::Options options;
+  options.open = std::move(open);
+  options.session.frames.keep_incomplete = settings.keep_incomplete;
+  return options;
+}
+
+/// What a board can do whatever the calibration: its own search, images as they are.
+Result<GatewareConfiguration> raw_configuration(const GatewareBuild& build, cv::Size size) {
+  Parameters parameters;
+  parameters.disparity_range = build.disparities;
+  parameters.census_window_size = build.census_window;
+  parameters.census_pattern = build.census_pattern;
+  parameters.correlation_window_size = build.correlation_window;
+  StereoGeometry geometry;
+  geometry.image_size = size;
+  return configuration(build, parameters, no_rectification(geometry, 0));
+}
+
+bool same_calibration(const CameraTopics::Infos& a, const CameraTopics::Infos& b) {
+  return to_calibration(a.left) == to_calibration(b.left) &&
+         to_calibration(a.right) == to_calibration(b.right);
+}
+
+sensor_msgs::ImageConstPtr to_message(const cv::Mat& image, const std_msgs::Header& header) {
+  return to_image(image, header);
+}
+
+}  // namespace
+
+BoardSource::BoardSource(const BoardSettings& settings, link::Opener open, CameraTopics& cameras,
+                         Health& health, Callbacks callbacks)
+    : settings_(settings),
+      cameras_(cameras),
+      health_(health),
+      callbacks_(std::move(callbacks)),
+      device_(
+          device_options(settings, std::move(open)),
+          {[this](std::vector<Session::Received> sets) { received(std::move(sets)); },
+           [this](const link::Identity& identity) { identified(identity); },
+           [](const std::string& note) { ROS_INFO_STREAM_NAMED("stereo", "board: " << note); }}) {}
+
+// What is wanted.
+
+void BoardSource::identified(const link::Identity& identity) {
+  ROS_INFO_STREAM_NAMED("stereo", "board identified: " << identity.text());
+  if (!settings_.topic_input) cameras_.show(true);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    identity_ = identity;
+    last_frame_.reset();
+    sent_.clear();
+    if (!settings_.topic_input) infos_ = cameras_.infos();
+    configure();
+  }
+  callbacks_.changed();
+}
+
+void BoardSource::refresh() {
+  const link::Device::Snapshot now = device_.snapshot();
+  bool changed = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (identity_ &&
+        (now.state == Session::State::kClosed || now.state == Session::State::kRefused)) {
+      identity_.reset();
+      changed = true;
+    }
+  }
+  if (changed) {
+    cameras_.show(false);
+    callbacks_.changed();
+  } else if (!settings_.topic_input && present()) {
+    CameraTopics::Infos infos = cameras_.infos();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (same_calibration(infos, infos_)) return;
+    // The two calls of a calibration come one after the other: until they agree, the old one holds.
+    const bool first = infos_.left.K[0] == 0 || infos_.right.K[0] == 0;
+    const auto made =
+        make_stereo_rectification(to_calibration(infos.left), to_calibration(infos.right),
+                                  node_settings_.pipeline.min_disparity);
+    if (!first && !made) {
+      ROS_INFO_STREAM_THROTTLE_NAMED(10, "stereo",
+                                     "new calibration waits: " << made.error().message);
+      return;
+    }
+    infos_ = std::move(infos);
+    configure();
+  }
+}
+
+void BoardSource::set_settings(const Settings& settings) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  node_settings_ = settings;
+  configure();
+}
+
+void BoardSource::set_demand(const Demand& demand) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demand_ = demand;
+  want();
+}
+
+void BoardSource::configure() {
+  if (!identity_) return;
+  auto made = std::make_shared<Made>();
+  made->settings = node_settings_;
+  made->infos = infos_;
+  const std::string before = unable_;
+  const auto& rectification =
+      rectifier_(infos_.left, infos_.right, node_settings_.pipeline.min_disparity);
+  Result<GatewareConfiguration> able =
+      rectification ? configuration(identity_->build, node_settings_.pipeline, **rectification)
+                    : Result<GatewareConfiguration>(rectification.error());
+  unable_ = able ? "" : able.error().message;
+  if (able) {
+    made->rectification = *rectification;
+  } else {
+    able = raw_configuration(identity_->build, settings_.image_size);
+    const cv::Size calibrated = to_calibration(infos_.left).image_size();
+    if (rectification && !calibrated.empty()) {
+      able = raw_configuration(identity_->build, calibrated);
+    }
+  }
+  if (!able) {  // the images are too large for it
+    unable_ = able.error().message;
+    wanted_.configuration.reset();
+  } else {
+    wanted_.configuration = *able;
+  }
+  if (unable_ != before && !unable_.empty()) {
+    ROS_WARN_STREAM_NAMED("stereo", "the board cannot make this disparity: " << unable_);
+  }
+  ++wanted_.tag;
+  made_[wanted_.tag] = std::move(made);
+  while (made_.size() > kKeptConfigurations) made_.erase(made_.begin());
+  want();
+}
+
+unsigned BoardSource::streams() const {
+  const bool shifted = node_settings_.pipeline.min_disparity != 0;
+  const auto rectified = [](const CameraDemand& d) { return d.rect || d.rect_color; };
+  const auto raw = [](const CameraDemand& d) { return d.mono || d.color; };
+  const CameraTopics::Demand cameras = cameras_.demand();
+  unsigned streams = 0;
+  if (settings_.topic_input) {
+    if (!unable_.empty()) return 0;
+    if (demand_.any()) streams |= bit(Stream::kDisparity);
+    if (rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
+    if (rectified(demand_.right) && !shifted) streams |= bit(Stream::kRectifiedRight);
+    return streams;
+  }
+  constexpr unsigned kRaw = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
+  if (!unable_.empty() && demand_.any()) streams |= kRaw;
+  if (raw(demand_.left) || cameras.left) streams |= bit(Stream::kRawLeft);
+  if (raw(demand_.right) || cameras.right) streams |= bit(Stream::kRawRight);
+  if (unable_.empty()) {
+    if (demand_.disparity) streams |= bit(Stream::kDisparity);
+    if (rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
+    if (rectified(demand_.right)) {
+      // The board's right image is shifted by min_disparity: others expect one that is not.
+      streams |= bit(shifted ? Stream::kRawRight : Stream::kRectifiedRight);
+    }
+    if (settings_.verify > 0 && demand_.disparity) streams |= kRaw;
+  }
+  if (streams == 0 && cameras.info) streams |= bit(Stream::kRawLeft);
+  return streams;
+}
+
+void BoardSource::want() {
+  if (!identity_) return;
+  wanted_.streams = streams();
+  wanted_.host_input = settings_.topic_input;
+  wanted_.frame_interval = settings_.frame_interval;
+  wanted_.mid_exposure = std::chrono::microseconds(std::lround(settings_.mid_exposure_ms * 1000));
+  // Raw images of every frame where somebody wants them, of some for verification alone.
+  const CameraTopics::Demand cameras = cameras_.demand();
+  const bool always = !unable_.empty() || demand_.left.mono || demand_.left.color ||
+                      demand_.right.mono || demand_.right.color || cameras.any() ||
+                      node_settings_.pipeline.min_disparity != 0;
+  wanted_.raw_interval = settings_.verify > 0 && !always ? settings_.verify : 1;
+  device_.want(wanted_);
+}
+
+// Pairs from topics.
+
+bool BoardSource::takes_pairs() const {
+  if (!settings_.topic_input) return false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return identity_ && unable_.empty();
+}
+
+bool BoardSource::send(const InputPair& pair) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (!identity_) return false;
+  CameraTopics::Infos infos{*pair.left_info, *pair.right_info};
+  if (!same_calibration(infos, infos_)) {
+    infos_ = std::move(infos);
+    configure();
+    const bool unable = !unable_.empty();
+    lock.unlock();
+    if (unable) callbacks_.changed();
+    return false;  // the board is being configured
+  }
+  const auto& made = made_.at(wanted_.tag);
+  if (!unable_.empty() || !made->rectification || sent_.size() >= kMostSent) return false;
+  const link::Device::Snapshot now = device_.snapshot();
+  if (now.state != Session::State::kStreaming || !now.configured_tag ||
+      *now.configured_tag != wanted_.tag) {
+    return false;
+  }
+  const auto begun = begin_frame(pair, *made->rectification, made->settings);
+  if (!begun) return false;  // the software says why
+  if (const auto why = gate_.check(pair.left->header.stamp)) {
+    lock.unlock();
+    health_.refused(DropCause::kStamp, "frame refused: " + *why);
+    return true;
+  }
+  const std::uint64_t id = next_pair_++;
+  const std::uint64_t stamp_us = pair.left->header.stamp.toNSec() / 1000;
+  if (!device_.send_pair(begun->left.mono, begun->right.mono, id, stamp_us)) return false;
+  sent_[id] = pair;
+  return true;
+}
+
+// What comes.
+
+bool BoardSource::present() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return identity_.has_value();
+}
+
+std::string BoardSource::unable() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return unable_;
+}
+
+std::string BoardSource::complaint() const {
+  const std::string why = device_.snapshot().complaint;
+  return why.empty() ? "" : "board: " + why;
+}
+
+void BoardSource::received(std::vector<Session::Received> sets) {
+  for (const Session::Received& r : sets) take(r);
+}
+
+void BoardSource::refuse(const std::string& why) {
+  if (health_.refusal() != why) ROS_WARN_STREAM_NAMED("stereo", why);
+  health_.refused(DropCause::kLink, why);
+}
+
+void BoardSource::count_lost(const link::FrameSet& set) {
+  // Gaps in the frames' numbers: lost on the way, or dropped by a board whose link was too slow.
+  if (last_frame_) {
+    const auto step = static_cast<std::uint64_t>(settings_.frame_interval);
+    const std::uint64_t gap = (set.frame_id - *last_frame_) / step;
+    for (std::uint64_t i = 1; i < gap && gap < 1000; ++i) {
+      health_.received();
+      health_.dropped(DropCause::kLink);
+    }
+  }
+  last_frame_ = set.frame_id;
+}
+
+void BoardSource::take(const Session::Received& r) {
+  std::shared_ptr<const Made> made;
+  bool disparity_wanted = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (const auto found = made_.find(r.tag); found != made_.end()) made = found->second;
+    disparity_wanted = (wanted_.streams & bit(Stream::kDisparity)) != 0;
+    if (!settings_.topic_input) count_lost(r.set);
+  }
+  if (!settings_.topic_input) health_.received();
+  if (!made) return refuse("frame of the board dropped: its configuration is long gone");
+  const bool lost = disparity_wanted && made->rectification &&
+                    r.set.image(Stream::kDisparity).empty() && !r.set.dropped.empty();
+  if (lost && !settings_.topic_input) return refuse(r.set.dropped.front());
+  if (settings_.topic_input) return take_pair(r.set, *made);
+  take_camera_frame(r.set, ros::Time().fromSec(r.stamp), *made);
+}
+
+void BoardSource::take_pair(const link::FrameSet& set, const Made& made) {
+  InputPair pair;
+  Demand demand;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = sent_.find(set.frame_id);
+    if (found == sent_.end()) return;
+    pair = found->second;
+    // Those before it will not come any more.
+    health_.dropped(DropCause::kLink,
+                    static_cast<std::uint64_t>(std::distance(sent_.begin(), found)));
+    sent_.erase(sent_.begin(), std::next(found));
+    demand = demand_;
+  }
+  if (set.image(Stream::kDisparity).empty()) {
+    return refuse(set.dropped.empty() ? "frame of the board dropped: it has no disparity"
+                                      : set.dropped.front());
+  }
+  if (!same_calibration({*pair.left_info, *pair.right_info}, made.infos)) {
+    return refuse("frame of the board dropped: the calibration changed under way");
+  }
+  auto begun = begin_frame(pair, *made.rectification, made.settings);
+  if (!begun) return refuse(begun.error().message);
+  StereoFrame& frame = *begun;
+  frame.disparity = set.image(Stream::kDisparity);
+  frame.left.rect = set.image(Stream::kRectifiedLeft);
+  frame.right.rect = set.image(Stream::kRectifiedRight);
+  if (const Status added = add_pictures(pair, *made.rectification, demand, frame); !added) {
+    return refuse(added.error().message);
+  }
+  if (settings_.verify > 0 && set.frame_id % static_cast<std::uint64_t>(settings_.verify) == 0) {
+    verifier_.offer({frame.left.mono, frame.right.mono, frame.disparity, made.rectification,
+                     made.settings.pipeline});
+  }
+  callbacks_.frame(frame);
+}
+
+void BoardSource::take_camera_frame(const link::FrameSet& set, const ros::Time& stamp,
+                                    const Made& made) {
+  const cv::Mat& left = set.image(Stream::kRawLeft);
+  const cv::Mat& right = set.image(Stream::kRawRight);
+  cameras_.publish(left, right, made.infos, stamp);
+  Demand demand;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    demand = demand_;
+  }
+  std_msgs::Header header;
+  header.stamp = stamp;
+  header.frame_id = settings_.frame_id;
+  if (!demand.any()) return health_.published({}, 0, 0);  // raw images alone
+
+  if (!made.rectification) {
+    if (left.empty() || right.empty()) {
+      return refuse(set.dropped.empty() ? "raw pair of the board dropped: it lacks an image"
+                                        : set.dropped.front());
+    }
+    const auto info = [&](const sensor_msgs::CameraInfo& from) {
+      auto message = boost::make_shared<sensor_msgs::CameraInfo>(from);
+      message->header = header;
+      return message;
+    };
+    callbacks_.pair({to_message(left, header), to_message(right, header), info(made.infos.left),
+                     info(made.infos.right)});
+    return;
+  }
+
+  StereoFrame frame;
+  frame.left.header = frame.right.header = header;
+  frame.left_info = made.infos.left;
+  frame.left_info.header = header;
+  frame.geometry = made.rectification->geometry;
+  frame.settings = made.settings;
+  frame.disparity = set.image(Stream::kDisparity);
+  frame.left.mono = frame.left.color = left;
+  frame.right.mono = frame.right.color = right;
+  frame.left.rect = frame.left.rect_color = set.image(Stream::kRectifiedLeft);
+  frame.right.rect = set.image(Stream::kRectifiedRight);
+  const bool shifted = made.settings.pipeline.min_disparity != 0;
+  if (shifted && (demand.right.rect || demand.right.rect_color) && !right.empty()) {
+    rectify_in_bands(right, made.rectification->right_unshifted, made.settings.num_threads,
+                     frame.right.rect);
+  }
+  frame.right.rect_color = frame.right.rect;
+  if (settings_.verify > 0 && !left.empty() && !right.empty() && !frame.disparity.empty() &&
+      set.verdicts.empty()) {
+    verifier_.offer({left, right, frame.disparity, made.rectification, made.settings.pipeline});
+  }
+  callbacks_.frame(frame);
+}
+
+}  // namespace fpga_stereo

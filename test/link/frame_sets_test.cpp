@@ -1,0 +1,121 @@
+#include "fpga_stereo/link/frame_sets.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fpga_stereo::test {
+namespace {
+
+using link::Assembled;
+using link::FrameSet;
+using link::FrameSets;
+using link::Stream;
+using Verdict = Assembled::Verdict;
+
+constexpr unsigned bit(Stream s) { return 1U << static_cast<unsigned>(s); }
+constexpr unsigned kTwo = bit(Stream::kDisparity) | bit(Stream::kRectifiedLeft);
+constexpr unsigned kWithRaw = kTwo | bit(Stream::kRawLeft);
+
+Assembled frame(Stream stream, std::uint64_t id, Verdict verdict = Verdict::kGood) {
+  Assembled a;
+  a.stream = stream;
+  a.frame_id = id;
+  a.timestamp = 10 * id;
+  a.configuration = 3;
+  a.verdict = verdict;
+  a.height = 4;
+  if (verdict == Verdict::kGood) a.image = cv::Mat1b(4, 4, static_cast<std::uint8_t>(id));
+  return a;
+}
+
+struct Sets {
+  FrameSets sets;
+  std::vector<FrameSet> out;
+
+  void end(Stream stream, std::uint64_t id, unsigned streams, Verdict verdict = Verdict::kGood) {
+    sets.ended(frame(stream, id, verdict), streams, out);
+  }
+  std::vector<std::uint64_t> ids() const {
+    std::vector<std::uint64_t> all;
+    for (const FrameSet& s : out) all.push_back(s.frame_id);
+    return all;
+  }
+};
+
+TEST(FrameSets, WaitForEveryStream) {
+  Sets s;
+  s.end(Stream::kRectifiedLeft, 7, kTwo);
+  EXPECT_TRUE(s.out.empty());
+  s.end(Stream::kDisparity, 7, kTwo);
+  ASSERT_EQ(s.out.size(), 1U);
+  EXPECT_EQ(s.out[0].timestamp, 70U);
+  EXPECT_EQ(s.out[0].configuration, 3U);
+  EXPECT_FALSE(s.out[0].image(Stream::kDisparity).empty());
+  EXPECT_FALSE(s.out[0].image(Stream::kRectifiedLeft).empty());
+  EXPECT_TRUE(s.out[0].image(Stream::kRawLeft).empty());
+}
+
+TEST(FrameSets, ADroppedFrameEndsToo) {
+  Sets s;
+  s.end(Stream::kDisparity, 7, kTwo, Verdict::kBadSignature);
+  s.end(Stream::kRectifiedLeft, 7, kTwo);
+  ASSERT_EQ(s.out.size(), 1U);
+  EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
+  EXPECT_EQ(s.out[0].dropped, std::vector<std::string>{
+                                  "disparity frame 7 dropped: its signature is not the board's"});
+}
+
+TEST(FrameSets, RawImagesAreWaitedForWhereTheyHaveBegun) {
+  Sets s;
+  s.end(Stream::kRectifiedLeft, 1, kWithRaw);
+  s.end(Stream::kDisparity, 1, kWithRaw);
+  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1})) << "this pair has none";
+  s.sets.begun(Stream::kRawLeft, 2);
+  s.end(Stream::kRectifiedLeft, 2, kWithRaw);
+  s.end(Stream::kDisparity, 2, kWithRaw);
+  EXPECT_EQ(s.out.size(), 1U);
+  s.end(Stream::kRawLeft, 2, kWithRaw);
+  ASSERT_EQ(s.out.size(), 2U);
+  EXPECT_FALSE(s.out[1].image(Stream::kRawLeft).empty());
+}
+
+TEST(FrameSets, RawImagesAloneMakeASet) {
+  Sets s;
+  constexpr unsigned kRaw = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
+  s.end(Stream::kRawLeft, 1, kRaw);
+  EXPECT_TRUE(s.out.empty());
+  s.end(Stream::kRawRight, 1, kRaw);
+  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1}));
+}
+
+TEST(FrameSets, ComeInTheOrderOfTheirFramesAcrossTheWrap) {
+  Sets s;
+  const std::uint64_t last = ~std::uint64_t{0};
+  s.end(Stream::kRectifiedLeft, last, kTwo);
+  s.end(Stream::kRectifiedLeft, 0, kTwo);
+  s.end(Stream::kDisparity, 0, kTwo);
+  EXPECT_TRUE(s.out.empty()) << "the one before is under way";
+  s.end(Stream::kDisparity, last, kTwo);
+  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{last, 0}));
+}
+
+TEST(FrameSets, ALostFrameHoldsNothingUpForLong) {
+  Sets s;
+  for (std::uint64_t id = 1; id <= 5; ++id) {
+    s.end(Stream::kRectifiedLeft, id, kTwo);
+    if (id != 1) s.end(Stream::kDisparity, id, kTwo);
+  }
+  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1, 2, 3, 4, 5}));
+  EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
+}
+
+TEST(FrameSets, AResetGivesWhatIsThere) {
+  Sets s;
+  s.end(Stream::kDisparity, 3, kTwo);
+  s.sets.reset(s.out);
+  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{3}));
+  s.sets.reset(s.out);
+  EXPECT_EQ(s.out.size(), 1U);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

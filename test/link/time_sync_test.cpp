@@ -1,0 +1,94 @@
+#include "fpga_stereo/link/time_sync.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace fpga_stereo::test {
+namespace {
+
+using link::TimeSync;
+
+/// A board whose clock runs `drift` too fast and began at `board` us when the host's was at `host`.
+struct Clocks {
+  double drift = 0;
+  std::uint64_t board = 1000;
+  double host = 1e9;
+
+  std::uint64_t board_at(double t) const {
+    return board + static_cast<std::uint64_t>((t - host) * (1 + drift) * 1e6 + 0.5);
+  }
+};
+
+TEST(TimeSync, KnowsNothingWithoutASample) {
+  TimeSync sync;
+  EXPECT_FALSE(sync.to_host(5));
+}
+
+TEST(TimeSync, TheMiddleOfTheRoundTrip) {
+  TimeSync sync;
+  EXPECT_TRUE(sync.add(10.000, 500, 10.004));
+  ASSERT_TRUE(sync.to_host(500));
+  EXPECT_NEAR(*sync.to_host(500), 10.002, 1e-9);
+  EXPECT_NEAR(*sync.to_host(1500), 10.003, 1e-9);
+  EXPECT_NEAR(sync.uncertainty(), 0.002, 1e-9);
+}
+
+TEST(TimeSync, LongRoundTripsAreNoSamples) {
+  TimeSync sync;
+  EXPECT_TRUE(sync.add(10, 500, 10.009));
+  EXPECT_FALSE(sync.add(11, 1000500, 11.011));
+  EXPECT_FALSE(sync.add(12, 2000500, 11.999)) << "ended before it began";
+  EXPECT_EQ(sync.samples(), 1U);
+}
+
+TEST(TimeSync, FollowsADriftingClockThroughItsWrap) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> way(0.0001, 0.002);
+  for (const double drift : {-80e-6, 0.0, 75e-6}) {
+    Clocks clocks{drift, 0 - std::uint64_t{20000000}, 1.6e9};
+    TimeSync sync;
+    for (double t = clocks.host; t < clocks.host + 120; t += 0.5) {
+      const double out = way(random), back = way(random);
+      ASSERT_TRUE(sync.add(t - out, clocks.board_at(t), t + back));
+      if (t < clocks.host + 10) continue;
+      ASSERT_NEAR(*sync.to_host(clocks.board_at(t + 0.4)), t + 0.4, 0.001) << t - clocks.host;
+    }
+    EXPECT_NEAR(sync.drift(), drift, 10e-6);
+  }
+}
+
+TEST(TimeSync, NeverStepsBack) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> way(0.0001, 0.0049);
+  Clocks clocks;
+  TimeSync sync;
+  double last = 0;
+  for (double t = clocks.host; t < clocks.host + 60; t += 0.01) {
+    if (random() % 50 == 0) sync.add(t - way(random), clocks.board_at(t), t + way(random));
+    const auto stamp = sync.to_host(clocks.board_at(t));
+    if (!stamp) continue;
+    ASSERT_GE(*stamp, last);
+    last = *stamp;
+  }
+  EXPECT_GT(last, clocks.host + 59);
+}
+
+TEST(TimeSync, AnOlderTimeMayBeAskedForAgain) {
+  TimeSync sync;
+  sync.add(10, 1000000, 10.001);
+  const double later = *sync.to_host(3000000);
+  EXPECT_NEAR(later - *sync.to_host(2000000), 1, 1e-6);
+}
+
+TEST(TimeSync, AfterAResetTheBoardsClockIsAnother) {
+  TimeSync sync;
+  sync.add(10, 5000000, 10.001);
+  EXPECT_FALSE(sync.add(11, 100, 11.001)) << "it went backwards";
+  sync.reset();
+  EXPECT_TRUE(sync.add(11, 100, 11.001));
+  EXPECT_NEAR(*sync.to_host(100), 11.0005, 1e-9);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test
