@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -86,7 +87,21 @@ UsbTestbed::UsbTestbed() : testbed_(umockdev_testbed_new()) {
   add_hub("usb1", "/devices/usb1");
 }
 
-UsbTestbed::~UsbTestbed() { g_object_unref(testbed_); }
+UsbTestbed::~UsbTestbed() {
+  g_object_unref(testbed_);
+  std::error_code none;
+  if (moved_) std::filesystem::remove_all(root_, none);
+}
+
+void UsbTestbed::move_to(const std::string& folder) {
+  const std::lock_guard lock(mutex_);
+  // Programs look for its real path; umockdev itself, which chose the name, is content with a link.
+  std::filesystem::rename(root_, folder);
+  std::filesystem::create_directory_symlink(folder, root_);
+  root_ = folder;
+  moved_ = true;
+  setenv("UMOCKDEV_DIR", root_.c_str(), 1);
+}
 
 std::vector<std::string> UsbTestbed::environment() const {
   return {"UMOCKDEV_DIR=" + root_, "LD_PRELOAD=libumockdev-preload.so.0"};

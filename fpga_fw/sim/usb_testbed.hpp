@@ -19,6 +19,9 @@ class UsbTestbed {
  public:
   /// Made by the first call, before the first use of libusb; lasts as long as the process.
   static UsbTestbed& get();
+  /// Moves it to `folder`, which must not exist: programs that start before this one can be told
+  /// where it will be. Before the first device.
+  void move_to(const std::string& folder);
 
   /// A device's file, under a number that was not in use before, and the FIFO behind it.
   std::string make_node(_UMockdevIoctlBase* handler, int& fifo);
@@ -38,6 +41,7 @@ class UsbTestbed {
   std::mutex mutex_;
   _UMockdevTestbed* testbed_;
   std::string root_;
+  bool moved_ = false;
   int last_number_ = 0;
   std::map<std::string, std::string> hubs_;  // name, path
 };

@@ -6,6 +6,8 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <random>
 #include <thread>
 
@@ -324,6 +326,30 @@ TEST(Usb, WatchSeesBoardsComeAndGo) {
   EXPECT_FALSE(watch.wait(Milliseconds(5000)));
   EXPECT_LT(Clock::now() - begin, Milliseconds(2000));
   caller.join();
+}
+
+/// Run by the test below, in a process of its own.
+TEST(UsbChild, DISABLED_Echoes) {
+  const auto transport = open();
+  ASSERT_TRUE(transport);
+  const Bytes bytes = read_all(*transport, 100000);
+  EXPECT_EQ(write_all(*transport, bytes), 100000U);
+}
+
+TEST(Usb, AnotherProcessSeesTheBoard) {
+  UsbLine line;
+  std::string command = "env";
+  for (const auto& variable : line.chip.environment()) command += " '" + variable + "'";
+  command += " '" + std::filesystem::read_symlink("/proc/self/exe").string() +
+             "' --gtest_also_run_disabled_tests --gtest_filter=UsbChild.* --gtest_output= >&2";
+  const Bytes sent = random_bytes(100000, 1);
+  line.send(sent);
+  int status = -1;
+  std::thread child([&] { status = std::system(command.c_str()); });
+  EXPECT_TRUE(line.take(sent.size()) == sent);
+  child.join();
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(line.chip.wait_until_closed(Milliseconds(2000)));
 }
 
 }  // namespace
