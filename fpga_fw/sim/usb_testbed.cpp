@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +15,8 @@
 
 namespace fpga_stereo::sim {
 namespace {
+
+constexpr std::size_t kMostRetired = 16;
 
 std::string hex(const std::vector<unsigned>& bytes) {
   std::string text;
@@ -56,13 +59,16 @@ std::string three(int number) {
   return digits;
 }
 
-/// What umockdev_testbed_add_from_string() takes.
+int number_of(const std::string& node) { return std::stoi(node.substr(node.rfind('/') + 1)); }
+
+/// What umockdev_testbed_add_from_string() takes. `dev` ends no line:
+/// umockdev_testbed_remove_device() takes the attribute, as it is, for the name of a link.
 std::string description(const std::string& path, int number, const std::string& attributes) {
   return "P: " + path + "\nE: DEVNAME=/dev/bus/usb/001/" + three(number) +
          "\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=001\nE: DEVNUM=" + three(number) +
          "\nE: MAJOR=189\nE: MINOR=" + std::to_string(number - 1) +
          "\nA: busnum=1\\n\nA: devnum=" + std::to_string(number) +
-         "\\n\nA: dev=189:" + std::to_string(number - 1) + "\\n\nA: bConfigurationValue=1\\n\n" +
+         "\\n\nA: dev=189:" + std::to_string(number - 1) + "\nA: bConfigurationValue=1\\n\n" +
          attributes;
 }
 
@@ -86,7 +92,21 @@ UsbTestbed::UsbTestbed() : testbed_(umockdev_testbed_new()) {
   add_hub("usb1", "/devices/usb1");
 }
 
-UsbTestbed::~UsbTestbed() { g_object_unref(testbed_); }
+UsbTestbed::~UsbTestbed() {
+  g_object_unref(testbed_);
+  std::error_code none;
+  if (moved_) std::filesystem::remove_all(root_, none);
+}
+
+void UsbTestbed::move_to(const std::string& folder) {
+  const std::lock_guard lock(mutex_);
+  // Programs look for its real path; umockdev itself, which chose the name, is content with a link.
+  std::filesystem::rename(root_, folder);
+  std::filesystem::create_directory_symlink(folder, root_);
+  root_ = folder;
+  moved_ = true;
+  setenv("UMOCKDEV_DIR", root_.c_str(), 1);
+}
 
 std::vector<std::string> UsbTestbed::environment() const {
   return {"UMOCKDEV_DIR=" + root_, "LD_PRELOAD=libumockdev-preload.so.0"};
@@ -100,9 +120,17 @@ void UsbTestbed::describe(const std::string& text) {
   throw std::runtime_error("umockdev does not take the device: " + message);
 }
 
+/// As the kernel does: each the next, from 127 on those that have become free.
+int UsbTestbed::next_number() {
+  do {
+    last_number_ = last_number_ % 127 + 1;
+  } while (!numbers_.insert(last_number_).second);
+  return last_number_;
+}
+
 std::string UsbTestbed::make_node(_UMockdevIoctlBase* handler, int& fifo) {
   const std::lock_guard lock(mutex_);
-  std::string node = "/dev/bus/usb/001/" + three(++last_number_);
+  std::string node = "/dev/bus/usb/001/" + three(next_number());
   // Before the device is shown: whoever sees it may open it at once.
   if (umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler, nullptr) == FALSE) {
     throw std::runtime_error("umockdev does not take the handler of " + node);
@@ -120,7 +148,7 @@ std::string UsbTestbed::make_node(_UMockdevIoctlBase* handler, int& fifo) {
 
 void UsbTestbed::add_hub(const std::string& name, const std::string& path) {
   if (!hubs_.emplace(name, path).second) return;
-  const int number = ++last_number_;
+  const int number = next_number();
   // Nobody opens a hub, but libusb wants to know where it is. Its file keeps the folder alive.
   std::ofstream(root_ + "/dev/bus/usb/001/" + three(number));
   describe(description(path, number,
@@ -139,7 +167,7 @@ std::string UsbTestbed::add(const UsbfsDevice::Identity& identity, const std::st
     add_hub(name, path);
   }
   path += "/" + identity.port;
-  const int number = std::stoi(node.substr(node.rfind('/') + 1));
+  const int number = number_of(node);
   describe(description(path, number,
                        std::string("A: speed=") + (identity.high_speed ? "480" : "12") +
                            "\\n\nA: idVendor=" + four(identity.vendor) + "\\n\nA: idProduct=" +
@@ -156,7 +184,12 @@ void UsbTestbed::remove(const std::string& syspath, const std::string& node) {
   const std::lock_guard lock(mutex_);
   umockdev_testbed_uevent(testbed_, syspath.c_str(), "remove");
   umockdev_testbed_remove_device(testbed_, syspath.c_str());
-  umockdev_testbed_detach_ioctl(testbed_, node.c_str(), nullptr);
+  // A program that was just about to open it would be ended by umockdev if nobody answered.
+  retired_.push_back(node);
+  if (retired_.size() <= kMostRetired) return;
+  umockdev_testbed_detach_ioctl(testbed_, retired_.front().c_str(), nullptr);
+  numbers_.erase(number_of(retired_.front()));
+  retired_.pop_front();
 }
 
 void UsbTestbed::permit(const std::string& node, bool others) {

@@ -2,9 +2,11 @@
 // the real one.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,8 +21,11 @@ class UsbTestbed {
  public:
   /// Made by the first call, before the first use of libusb; lasts as long as the process.
   static UsbTestbed& get();
+  /// Moves it to `folder`, which must not exist: programs that start before this one can be told
+  /// where it will be. Before the first device.
+  void move_to(const std::string& folder);
 
-  /// A device's file, under a number that was not in use before, and the FIFO behind it.
+  /// A device's file, under the next free number, and the FIFO behind it.
   std::string make_node(_UMockdevIoctlBase* handler, int& fifo);
   /// Shows a device (and the hubs above it) to libusb; its path in sysfs.
   std::string add(const UsbfsDevice::Identity& identity, const std::string& node);
@@ -33,12 +38,16 @@ class UsbTestbed {
   UsbTestbed();
   ~UsbTestbed();
   void describe(const std::string& text);
+  int next_number();
   void add_hub(const std::string& name, const std::string& path);
 
   std::mutex mutex_;
   _UMockdevTestbed* testbed_;
   std::string root_;
+  bool moved_ = false;
   int last_number_ = 0;
+  std::set<int> numbers_;                    // in use
+  std::deque<std::string> retired_;          // files of devices that are gone, still answered for
   std::map<std::string, std::string> hubs_;  // name, path
 };
 

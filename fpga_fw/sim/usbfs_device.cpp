@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <condition_variable>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -37,7 +38,9 @@ T* as(const Data& data) {
 }  // namespace
 
 struct UsbfsDevice::Shared {
-  mutable std::mutex mutex;
+  std::mutex mutex;
+  std::condition_variable closed;
+  int clients = 0;  // open files
 };
 
 /// From plug() to the close of the last file: longer than the device is plugged in.
@@ -101,6 +104,8 @@ struct UsbfsDevice::Session {
 
 void UsbfsDevice::Session::vanished(const void* client) {
   const std::lock_guard lock(shared->mutex);
+  --shared->clients;
+  shared->closed.notify_all();
   if (claimed_by == client) claimed_by = nullptr;
   for (auto* urbs : {&control, &in, &out, &done}) {
     urbs->erase(std::remove_if(urbs->begin(), urbs->end(),
@@ -284,13 +289,16 @@ int UsbfsDevice::handle_ioctl(void*, UMockdevIoctlClient* client, void* session)
 void UsbfsDevice::handle_connected(void*, UMockdevIoctlClient* client, void* session) {
   // That a client has closed its file shows only here; its transfers end then.
   auto* held = new std::shared_ptr<Session>(*static_cast<std::shared_ptr<Session>*>(session));
-  const auto closed = +[](UMockdevIoctlClient* gone, GParamSpec*, gpointer data) {
-    (*static_cast<std::shared_ptr<Session>*>(data))->vanished(gone);
+  {
+    const std::lock_guard lock((*held)->shared->mutex);
+    ++(*held)->shared->clients;
+  }
+  const auto closed = +[](gpointer data, GObject* gone) {
+    auto* session_of_it = static_cast<std::shared_ptr<Session>*>(data);
+    (*session_of_it)->vanished(gone);
+    delete session_of_it;
   };
-  const auto release =
-      +[](gpointer data, GClosure*) { delete static_cast<std::shared_ptr<Session>*>(data); };
-  g_signal_connect_data(client, "notify::connected", G_CALLBACK(closed), held, release,
-                        GConnectFlags{});
+  g_object_weak_ref(G_OBJECT(client), closed, held);
 }
 
 UsbfsDevice::UsbfsDevice(Identity identity)
@@ -305,6 +313,11 @@ bool UsbfsDevice::plugged() const {
   return plugged_in();
 }
 
+bool UsbfsDevice::wait_until_closed(std::chrono::milliseconds timeout) const {
+  std::unique_lock lock(mutex());
+  return shared_->closed.wait_for(lock, timeout, [&] { return shared_->clients == 0; });
+}
+
 std::deque<UsbfsDevice::UrbPtr>& UsbfsDevice::urbs(std::uint8_t endpoint) {
   return session_ ? session_->queue(endpoint) : none_;
 }
@@ -317,6 +330,8 @@ void UsbfsDevice::refuse_claims(int error) {
   const std::lock_guard lock(mutex());
   claim_error_ = error;
 }
+
+void UsbfsDevice::place_devices(const std::string& folder) { UsbTestbed::get().move_to(folder); }
 
 std::vector<std::string> UsbfsDevice::environment() { return UsbTestbed::get().environment(); }
 

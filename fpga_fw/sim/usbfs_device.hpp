@@ -3,6 +3,7 @@
 // process or from another one. What the device does stands in a derived class.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -38,11 +39,18 @@ class UsbfsDevice {
   void unplug();
   bool plugged() const;
 
+  /// Whether within `timeout` nobody has the device open any more, unplugged ones included. A
+  /// program in a system call of this device dies with this process: unplug, then wait, then end.
+  bool wait_until_closed(std::chrono::milliseconds timeout) const;
+
   /// The errno that claiming the interface ends with; 0: none.
   void refuse_claims(int error);
   /// Whether others than root may open the device: as if no udev rule were installed.
   void permit(bool others);
 
+  /// Where the tree of devices shall be, before the first one is made: an absolute path of nothing
+  /// that exists. Without this it is somewhere in the folder for temporary files.
+  static void place_devices(const std::string& folder);
   /// What another process needs in its environment ("NAME=VALUE") to see this process's devices.
   static std::vector<std::string> environment();
 

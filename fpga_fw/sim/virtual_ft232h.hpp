@@ -58,8 +58,10 @@ class VirtualFt232h : private UsbfsDevice {
 
   using UsbfsDevice::environment;
   using UsbfsDevice::permit;
+  using UsbfsDevice::place_devices;
   using UsbfsDevice::plugged;
   using UsbfsDevice::refuse_claims;
+  using UsbfsDevice::wait_until_closed;
   void plug();
   void unplug();
   Seen seen() const;

@@ -8,11 +8,12 @@
 namespace fpga_stereo::link {
 
 struct HotplugWatch::State {
-  UsbContext context;  // none where libusb does not start
+  UsbContext context;  // none as long as libusb does not start
   libusb_hotplug_callback_handle callback = 0;
   bool registered = false;
   std::atomic<int> changed{0}, interrupted{0};
 
+  void start();
   static int LIBUSB_CALL on_change(libusb_context*, libusb_device*, libusb_hotplug_event,
                                    void* state) {
     static_cast<State*>(state)->changed = 1;
@@ -20,18 +21,19 @@ struct HotplugWatch::State {
   }
 };
 
-HotplugWatch::HotplugWatch() : state_(std::make_unique<State>()) {
-  const auto context = make_usb_context();
-  if (!context) return;
-  state_->context = *context;
+void HotplugWatch::State::start() {
+  const auto made = make_usb_context();
+  if (!made) return;
+  context = *made;
   if (libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;
   const int events = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
-  state_->registered =
-      libusb_hotplug_register_callback(
-          state_->context.get(), static_cast<libusb_hotplug_event>(events),
-          static_cast<libusb_hotplug_flag>(0), kUsbVendor, kUsbProduct, LIBUSB_HOTPLUG_MATCH_ANY,
-          &State::on_change, state_.get(), &state_->callback) == LIBUSB_SUCCESS;
+  registered = libusb_hotplug_register_callback(
+                   context.get(), static_cast<libusb_hotplug_event>(events),
+                   static_cast<libusb_hotplug_flag>(0), kUsbVendor, kUsbProduct,
+                   LIBUSB_HOTPLUG_MATCH_ANY, &State::on_change, this, &callback) == LIBUSB_SUCCESS;
 }
+
+HotplugWatch::HotplugWatch() : state_(std::make_unique<State>()) { state_->start(); }
 
 HotplugWatch::~HotplugWatch() {
   if (state_->registered) {
@@ -47,6 +49,8 @@ bool HotplugWatch::wait(std::chrono::milliseconds timeout) {
     if (left.count() <= 0) break;
     if (!state_->context) {
       std::this_thread::sleep_for(std::min(left, std::chrono::milliseconds(100)));
+      state_->start();
+      if (state_->context) state_->changed = 1;  // whatever has come until now
       continue;
     }
     // In pieces: an interrupt between the question above and this call would be lost otherwise.

@@ -284,7 +284,7 @@ Status UsbTransport::recover(Recovery step) {
   for (const auto endpoint : {device_.in, device_.out}) {
     if (!clear_halt(endpoint)) break;
   }
-  const Status set_up =
+  Status set_up =
       step == Recovery::kPurge ? purge_ftdi(device_) : set_up_ftdi(device_, options_.latency_ms);
   resume();
   const std::lock_guard lock(mutex_);

@@ -6,6 +6,8 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <random>
 #include <thread>
 
@@ -79,7 +81,8 @@ TEST(Usb, SetsTheChipUp) {
   EXPECT_EQ(seen.flow_control, 0x0100);
   EXPECT_EQ(seen.resets, 1);
   EXPECT_EQ(seen.purges, 2);
-  EXPECT_EQ(seen.most_pending, 16U);
+  EXPECT_LE(seen.most_pending, 16U);
+  EXPECT_GE(seen.most_pending, 12U);  // some may end while the others begin
   EXPECT_EQ(seen.urb_bytes, 65536U);
 }
 
@@ -237,7 +240,7 @@ TEST(Usb, WhatWaitsIsBounded) {
   const Bytes sent = random_bytes(300000, 1);
   line.send(sent);
   std::this_thread::sleep_for(Milliseconds(100));
-  EXPECT_EQ(line.chip.seen().most_pending, 4U);
+  EXPECT_LE(line.chip.seen().most_pending, 4U);
   EXPECT_EQ(line.chip.seen().urb_bytes, 8192U);
   EXPECT_GE(line.waiting(), sent.size() - 65536);
   EXPECT_TRUE(read_all(**transport, sent.size()) == sent);
@@ -324,6 +327,30 @@ TEST(Usb, WatchSeesBoardsComeAndGo) {
   EXPECT_FALSE(watch.wait(Milliseconds(5000)));
   EXPECT_LT(Clock::now() - begin, Milliseconds(2000));
   caller.join();
+}
+
+/// Run by the test below, in a process of its own.
+TEST(UsbChild, DISABLED_Echoes) {
+  const auto transport = open();
+  ASSERT_TRUE(transport);
+  const Bytes bytes = read_all(*transport, 100000);
+  EXPECT_EQ(write_all(*transport, bytes), 100000U);
+}
+
+TEST(Usb, AnotherProcessSeesTheBoard) {
+  UsbLine line;
+  std::string command = "env ASAN_OPTIONS=verify_asan_link_order=0";
+  for (const auto& variable : line.chip.environment()) command += " '" + variable + "'";
+  command += " '" + std::filesystem::read_symlink("/proc/self/exe").string() +
+             "' --gtest_also_run_disabled_tests --gtest_filter=UsbChild.* --gtest_output= >&2";
+  const Bytes sent = random_bytes(100000, 1);
+  line.send(sent);
+  int status = -1;
+  std::thread child([&] { status = std::system(command.c_str()); });
+  EXPECT_TRUE(line.take(sent.size()) == sent);
+  child.join();
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(line.chip.wait_until_closed(Milliseconds(2000)));
 }
 
 }  // namespace
