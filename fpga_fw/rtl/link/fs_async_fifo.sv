@@ -56,7 +56,7 @@ module fs_async_fifo #(
   logic wr_run_q, wr_run_d, wr_ready_q, push;
   logic [Pointer-1:0] wr_q, wr_d, wr_gray_d, full_gray;
   always_comb begin
-    push = wr_valid_i & wr_ready_q;
+    push = wr_valid_i & wr_ready_q & wr_rst_ni;
     wr_run_d = wr_run_q ? wr_rst_ni & ~rd_ask_seen : wr_up_q & rd_up_seen;
     wr_d = ~wr_run_q & ~rd_up_seen ? '0 : wr_q + Pointer'(push);
     wr_gray_d = wr_d ^ (wr_d >> 1);

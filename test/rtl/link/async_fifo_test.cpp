@@ -27,8 +27,8 @@ class Bench {
   void step() {
     const int edges = clocks.next();
     model.eval();
-    const bool push = (edges & 1) && model.wr_valid_i && model.wr_ready_o;
-    const bool pop = (edges & 2) && model.rd_valid_o && model.rd_ready_i;
+    const bool push = (edges & 1) && model.wr_rst_ni && model.wr_valid_i && model.wr_ready_o;
+    const bool pop = (edges & 2) && model.rd_rst_ni && model.rd_valid_o && model.rd_ready_i;
     const bool held = (edges & 2) && model.rd_valid_o && !model.rd_ready_i && model.rd_rst_ni;
     const std::uint32_t word = model.rd_data_o;
     if (pop) take(word);
