@@ -18,8 +18,8 @@
 //                    up -(reset)-> asks -(write is down)-> down
 //           A pointer goes back to 0 only while the other side looks away. A reset may be one clock
 //           short, and come at any time.
-// Limits    Depth: a power of two, 4 or more; more than 64 words go into block RAM. Flip-flops start
-//           as 0, or both resets are low for some clocks of both.
+// Limits    Depth: a power of two, 4 or more; more than 64 words go into block RAM. Flip-flops
+//           start as 0, or both resets are low for some clocks of both.
 module fs_async_fifo #(
   parameter int Bits = 32,
   parameter int Depth = 512

@@ -1,6 +1,6 @@
 // Ticks at a rate that does not divide the clock's.
 //
-// Formula   ticks = floor(sum of step_i / ClockHz): step_i ticks per second, each at most a clock late
+// Formula   ticks = floor(sum of step_i / ClockHz): step_i per second, each at most a clock late
 // C++ twin  none: test/rtl/link/uart_test.cpp counts them
 // Schedule  an accumulator from -ClockHz up: negative + step_i, else + step_i - ClockHz, and a tick
 // Latency   the first tick comes ceil(ClockHz / step_i) clocks behind the last clock with restart_i

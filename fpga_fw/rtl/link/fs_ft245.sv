@@ -15,18 +15,19 @@
 //           A direction ends when its flag is high in two clocks in a row (one clock is borne), its
 //           stream has nothing or no room, or after Burst clocks if the other one waits. The other
 //           one is then next: neither can starve.
-// Latency   word to the chip: 4 clocks from tx to WR#. From the chip: 3 clocks from its clock to rx.
+// Latency   word to the chip: 4 clocks from tx to WR#; from the chip: 3 clocks to rx
 // Handshake streams. rx_keep_o: the bytes that count (BE of the FT601). siwu_no is low for 4 clocks
 //           when nothing was written for FlushClocks and something was before: the FT232H then
 //           sends a USB packet that is not full, and does not wait for its latency timer.
-// Timing    Outputs are flip-flops. Of the inputs, RXF# and TXE# go through one level of logic: they
-//           decide within the clock, as the formula has it, so that no word needs taking back. They
-//           and the data come late in the clock (FT232H: 9 ns of 16.7); the FT601 at 100 MHz may
-//           need clk_i from a PLL, moved to a later phase.
+// Timing    Outputs are flip-flops. RXF# and TXE# decide within the clock in which they come, as
+//           the formula has it, so that no word needs taking back. They and the data come late in
+//           the clock (FT232H: 9 ns of 16.7); the FT601 at 100 MHz may need clk_i from a PLL, moved
+//           to a later phase.
 // Limits    FT232H: its EEPROM says 245 FIFO; BE does not exist, be_i is 1. FT601: its FIFO mode is
-//           245, one channel; BE is driven as all ones; it sends what is left when WR# rises, and its
-//           SIWU# stays high (FlushClocks = 0). clk_i is the chip's, which may stop at any time: then
-//           all stops, and goes on with the clock. Before the first clock all outputs are high.
+//           245, one channel; BE is driven as all ones; it is taken to send what is left when WR#
+//           rises, so its SIWU# stays high (FlushClocks = 0). clk_i is the chip's, which may stop
+//           at any time: then all stops, and goes on with it. Before the first clock the outputs
+//           are high, and nothing is driven.
 module fs_ft245 #(
   parameter int DataBits = 8,
   parameter int Burst = 512,
@@ -57,14 +58,14 @@ module fs_ft245 #(
   output logic [DataBits/8-1:0] rx_keep_o
 );
   localparam int KeepBits = DataBits / 8;
-  localparam int BurstBits = $clog2(Burst + 1);
+  localparam int BurstBits = $clog2(Burst + 2);
   if (DataBits != 8 && DataBits != 32)
     initial $fatal(1, "fs_ft245: DataBits is %0d, allowed: 8, 32", DataBits);
   if (Burst < 1) initial $fatal(1, "fs_ft245: Burst is %0d, allowed: 1 or more", Burst);
 
   // Initial values: the chip's clock comes late, and its inputs must be high until then.
   typedef enum logic [1:0] {Idle, Turn, Read, Write} state_e;
-  state_e state_q = Idle, state_d;
+  state_e state_q, state_d;
   logic rd_n_q = 1'b1, wr_n_q = 1'b1, oe_n_q = 1'b1, siwu_n_q = 1'b1, data_oe_q = 1'b0;
   logic [DataBits-1:0] data_q;
   logic full_q;  // data_q waits to be written
@@ -110,7 +111,7 @@ module fs_ft245 #(
     rd_n_q <= state_d != Read;
     oe_n_q <= state_d != Read && state_d != Turn;
     wr_n_q <= state_d != Write;
-    data_oe_q <= state_d == Write || state_q == Write;
+    data_oe_q <= state_d == Write || !wr_n_q;
     room_q <= rst_ni & rx_count < 5'd12;
     stalled_q <= (state_q == Read & rxf_ni) | (state_q == Write & txe_ni);
     if (!rst_ni) was_read_q <= 1'b0;

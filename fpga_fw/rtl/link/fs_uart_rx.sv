@@ -1,16 +1,16 @@
 // Receives bytes, 8N1.
 //
-// Formula   a low line begins a byte. Each bit is what two of three samples say, 3/8, 4/8 and 5/8 into
-//           it. The first bit is high: it was a glitch, and nothing has come. The last one is low:
-//           the byte is dropped, framing_error_o, and the line must be high before the next byte. A
-//           break (low for long) so is one framing error.
+// Formula   a low line begins a byte. Each bit is what two of three samples say, 3/8, 4/8 and 5/8
+//           into it. The first bit is high: it was a glitch, and nothing has come. The last one is
+//           low: the byte is dropped, framing_error_o, and the line must be high before the next
+//           byte. So a break (low for long) is one framing error.
 // C++ twin  UartLine in test/rtl/link/uart_test.cpp, the other end
-// Schedule  fs_sync; ticks of 1/8 bit from the edge on; the next byte may begin from 5/8 of the last
-//           bit on, so that a sender may be faster than we are
+// Schedule  fs_sync; ticks of 1/8 bit from the edge on; the next byte may begin from 5/8 of the
+//           last bit on, so that a sender may be faster than we are
 // Latency   9 5/8 bits and 5 clocks from the edge to the byte
 // Handshake stream, of one byte: overrun_o if it has not moved when the next one has come; that one
 //           is dropped. Pulses of a clock.
-// Limits    baud_i <= ClockHz / 16; the sender's rate within 3 % of it, at 32 clocks per bit or more.
+// Limits    baud_i <= ClockHz / 16; the sender's rate within 3 % of it at 32 clocks per bit or more
 module fs_uart_rx #(
   parameter int ClockHz = 100000000
 ) (

@@ -1,5 +1,5 @@
-// fs_sync as it may behave: of the bits that have changed since the last clock each comes at once, or
-// a clock late.
+// fs_sync as it may behave: of the bits that have changed since the last clock each comes at once,
+// or a clock late.
 module fs_sync #(
   parameter int Bits = 1
 ) (
