@@ -1,0 +1,24 @@
+// Formal: fs_sync for two clocks, in the steps of async_fifo.sv. A bit that changes in the step in
+// which the clock rises is seen as it was, or as it is; each bit on its own.
+module fs_sync #(
+  parameter int Bits = 1
+) (
+  input  logic            clk_i,
+  input  logic [Bits-1:0] d_i,
+  output logic [Bits-1:0] q_o
+);
+  (* anyseq *) logic [Bits-1:0] late;
+  logic [Bits-1:0] first, second, first_q, second_q, d_q;
+  logic clk_q, rise;
+  assign rise = clk_i & ~clk_q;
+  assign first = rise ? (late & d_q) | (~late & d_i) : first_q;
+  assign second = rise ? first_q : second_q;
+  assign q_o = second;
+  // Every step, whatever the clock does: this module is not one of those that clk2fflogic changes.
+  always_ff @(posedge clk_i) begin
+    clk_q <= clk_i;
+    d_q <= d_i;
+    first_q <= first;
+    second_q <= second;
+  end
+endmodule
