@@ -357,6 +357,7 @@ const SoftwareBoard::Made& SoftwareBoard::make(const RawPair& pair) {
     made_.pop_front();
   }
   made_.push_back({pair, taps.left.clone(), taps.right.clone(), taps.disparity.clone()});
+  for (int i = 0; i < options_.wrong_pixels; ++i) made_.back().disparity(0, i) ^= 1;
   return made_.back();
 }
 

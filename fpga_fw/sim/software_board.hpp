@@ -30,6 +30,7 @@ class SoftwareBoard : public Board {
     /// Registers that hold this, whatever is written: wrong identity, version, hash; defects.
     std::map<std::uint32_t, std::uint32_t> wrong;
     std::uint8_t version = kLinkVersion;  // of its packets
+    int wrong_pixels = 0;                 // so many disparities of a frame are not the pipeline's
     Options();
   };
 

@@ -1,0 +1,224 @@
+// The running node with a board that has cameras of its own, behind a serial line.
+#include <gtest/gtest.h>
+#include <sensor_msgs/SetCameraInfo.h>
+#include <std_srvs/Trigger.h>
+#include <stereo_msgs/DisparityImage.h>
+
+#include <cstdio>
+#include <cstring>
+
+#include "ros/pty_board.hpp"
+#include "ros/rig.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+using sensor_msgs::CameraInfo;
+using sensor_msgs::Image;
+using stereo_msgs::DisparityImage;
+
+const cv::Size kSize(160, 120);
+
+cv::Mat1b grey(const Image& message) {
+  return cv::Mat1b(static_cast<int>(message.height), static_cast<int>(message.width),
+                   const_cast<std::uint8_t*>(message.data.data()), message.step)
+      .clone();
+}
+
+/// Whether the message has the disparity that core computes for the pair.
+bool is_true(const DisparityImage& message, const cv::Mat1w& expected) {
+  for (int y = 0; y < expected.rows; ++y) {
+    for (int x = 0; x < expected.cols; ++x) {
+      float value = 0;
+      std::memcpy(&value, &message.image.data[y * message.image.step + x * 4], sizeof value);
+      const float wanted = expected(y, x) == kNoDisparity
+                               ? message.min_disparity - 1
+                               : static_cast<float>(expected(y, x) / 32.0);
+      if (value != wanted) return false;
+    }
+  }
+  return true;
+}
+
+class Board : public testing::Test {
+ protected:
+  static std::string line() {
+    std::string path;
+    ros::param::get("~line", path);
+    return path;
+  }
+  static void SetUpTestSuite() {
+    std::remove((line() + "_left.yaml").c_str());
+    std::remove((line() + "_right.yaml").c_str());
+  }
+  void TearDown() override {
+    board_.reset();
+    status_when("none: ");  // the next test has a board of its own
+  }
+
+  void plug_in(const sim::SoftwareBoard::Options& options = {}) {
+    board_ = std::make_unique<PtyBoard>(line(), options);
+    board_->watch({grey(pair_.left), grey(pair_.right)});
+  }
+  StereoStatus status_when(const std::string& board, const std::string& source = "",
+                           const std::string& state = "") {
+    return rig_.status_when([&](const StereoStatus& s) {
+      return s.board.find(board) != std::string::npos &&
+             s.source.find(source) != std::string::npos && s.state.find(state) != std::string::npos;
+    });
+  }
+  bool calibrate(const std::string& side, const CameraInfo& info) {
+    sensor_msgs::SetCameraInfo call;
+    call.request.camera_info = info;
+    const std::string service = rig_.nh().resolveName(side + "/set_camera_info");
+    return ros::service::waitForService(service, ros::Duration(10)) &&
+           ros::service::call(service, call) && call.response.success;
+  }
+  void calibrate() {
+    ASSERT_TRUE(calibrate("left", pair_.left_info));
+    ASSERT_TRUE(calibrate("right", pair_.right_info));
+  }
+  bool true_disparity(int more = 3) {
+    const cv::Mat1w expected = core_disparity(pair_, Parameters{});
+    const std::size_t before = disparity_.count();
+    if (!eventually([&] { return disparity_.count() >= before + more; })) return false;
+    return is_true(*disparity_.last(), expected);
+  }
+
+  PairMessages pair_ = synthetic_pair(kSize, 12, true);
+  Rig rig_;
+  Listener<DisparityImage> disparity_{rig_.nh(), "disparity"};
+  std::unique_ptr<PtyBoard> board_;
+};
+
+// First: nothing is calibrated yet.
+TEST_F(Board, IsCalibratedWithoutARestart) {
+  plug_in();
+  Listener<Image> left(rig_.nh(), "left/image_raw"), right(rig_.nh(), "right/image_raw");
+  Listener<CameraInfo> info(rig_.nh(), "left/camera_info");
+  ASSERT_TRUE(eventually([&] { return left.count() > 3 && right.count() > 3; }));
+  EXPECT_EQ(grey(*left.last()).size(), kSize);
+  EXPECT_EQ(cv::norm(grey(*left.last()), grey(pair_.left), cv::NORM_L1), 0);
+  ASSERT_TRUE(eventually([&] { return info.count() > 0; }));
+  EXPECT_EQ(info.last()->K[0], 0) << "uncalibrated";
+  EXPECT_NE(status_when("", "software", "uncalibrated").state.find("uncalibrated"),
+            std::string::npos);
+  EXPECT_EQ(disparity_.count(), 0U);
+
+  ASSERT_TRUE(calibrate("left", pair_.left_info));
+  ASSERT_TRUE(always([&] { return disparity_.count() == 0; }, 2)) << "the right one is missing";
+  ASSERT_TRUE(calibrate("right", pair_.right_info));
+  ASSERT_TRUE(true_disparity());
+  EXPECT_EQ(status_when("streaming", "board", "streaming").source, "board");
+  const auto last = disparity_.last();
+  EXPECT_EQ(last->header.frame_id, "stereo_left_optical_frame");
+  EXPECT_NEAR((ros::Time::now() - last->header.stamp).toSec(), 0, 1);
+  // Everything of a frame has one stamp.
+  ASSERT_TRUE(left.with_stamp(disparity_.last()->header.stamp));
+  ASSERT_TRUE(info.with_stamp(disparity_.last()->header.stamp));
+  EXPECT_EQ(info.last()->K[0], pair_.left_info.K[0]);
+
+  // A calibration that is not whole leaves the old one in place.
+  PairMessages moved = pair_;
+  moved.left_info.P[0] *= 1.1;
+  moved.left_info.P[5] *= 1.1;
+  ASSERT_TRUE(calibrate("left", moved.left_info));
+  ASSERT_TRUE(true_disparity(30));
+  ASSERT_TRUE(calibrate("left", pair_.left_info));
+}
+
+TEST_F(Board, KeepsItsCalibrationAndComesBack) {
+  plug_in();
+  ASSERT_TRUE(true_disparity()) << "calibrated by the file";
+  for (int i = 0; i < 3; ++i) {
+    board_->plug(false);
+    const StereoStatus gone = status_when("none: ", "software");
+    EXPECT_EQ(gone.board.rfind("none: ", 0), 0U) << gone.board;
+    board_->plug(true);
+    ASSERT_TRUE(true_disparity());
+  }
+  EXPECT_EQ(status_when("streaming", "board").source, "board");
+}
+
+TEST_F(Board, ReportsVerification) {
+  plug_in();
+  ASSERT_TRUE(true_disparity());
+  const StereoStatus s =
+      rig_.status_when([](const StereoStatus& r) { return r.verified_frames > 3; });
+  EXPECT_GT(s.verified_frames, 3U);
+  EXPECT_EQ(s.verified_pixels_differ, 0U);
+  board_.reset();
+
+  sim::SoftwareBoard::Options lies;
+  lies.wrong_pixels = 5;
+  plug_in(lies);
+  const StereoStatus found =
+      rig_.status_when([](const StereoStatus& r) { return r.verified_pixels_differ > 0; });
+  EXPECT_GT(found.verified_pixels_differ, 0U);
+  EXPECT_EQ(found.verified_pixels_differ % 5, 0U);
+}
+
+TEST_F(Board, LeavesToTheSoftwareWhatItCannotDo) {
+  plug_in();
+  ASSERT_TRUE(true_disparity());
+  rig_.reconfigure("disparity_range", "32");
+  const StereoStatus s = status_when("", "software", "streaming");
+  EXPECT_EQ(s.source, "software");
+  Parameters parameters;
+  parameters.disparity_range = 32;
+  const cv::Mat1w expected = core_disparity(pair_, parameters);
+  EXPECT_TRUE(eventually([&] { return is_true(*disparity_.last(), expected); }));
+  rig_.reconfigure("disparity_range", "64");
+  EXPECT_EQ(status_when("", "board", "streaming").source, "board");
+  EXPECT_TRUE(true_disparity(30));
+}
+
+TEST_F(Board, OfAnotherSpecificationIsRefusedByName) {
+  sim::SoftwareBoard::Options options;
+  options.wrong = {{spec::kRegSpecHash, 0xDEADBEEF}};
+  plug_in(options);
+  const StereoStatus s = status_when("refused", "software");
+  EXPECT_EQ(s.source, "software");
+  std_srvs::Trigger info;
+  ASSERT_TRUE(ros::service::call(rig_.nh().resolveName("fpga_stereo/device_info"), info));
+  EXPECT_FALSE(info.response.success);
+  EXPECT_NE(info.response.message.find("the board's gateware is of specification 0xDEADBEEF"),
+            std::string::npos)
+      << info.response.message;
+}
+
+TEST_F(Board, IsResetAndTellsAboutItself) {
+  plug_in();
+  ASSERT_TRUE(true_disparity());
+  const StereoStatus before = rig_.status();
+  std_srvs::Trigger call;
+  ASSERT_TRUE(ros::service::call(rig_.nh().resolveName("fpga_stereo/reset"), call));
+  EXPECT_TRUE(call.response.success);
+  const StereoStatus after =
+      rig_.status_when([&](const StereoStatus& s) { return s.board_opened > before.board_opened; });
+  EXPECT_EQ(after.board_opened, before.board_opened + 1);
+  ASSERT_TRUE(true_disparity());
+  ASSERT_TRUE(ros::service::call(rig_.nh().resolveName("fpga_stereo/device_info"), call));
+  EXPECT_TRUE(call.response.success);
+  EXPECT_NE(call.response.message.find("640 px wide, 64 disparities"), std::string::npos);
+}
+
+TEST(BoardIdle, SendsNothingThatNobodyListensTo) {
+  std::string line;
+  ros::param::get("~line", line);
+  PtyBoard board(line, {});
+  const PairMessages pair = synthetic_pair(kSize, 12, true);
+  board.watch({grey(pair.left), grey(pair.right)});
+  Rig rig;
+  rig.status_when([](const StereoStatus& s) { return s.board.rfind("ready", 0) == 0; });
+  EXPECT_EQ(board.peek(spec::kRegStreams), 0U);
+  {
+    Listener<Image> rect(rig.nh(), "left/image_rect");
+    EXPECT_TRUE(eventually([&] { return rect.count() > 2; }));
+    EXPECT_EQ(board.peek(spec::kRegStreams), spec::kStreamsRectifiedLeft.mask());
+  }
+  EXPECT_TRUE(eventually([&] { return board.peek(spec::kRegStreams) == 0; }));
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test

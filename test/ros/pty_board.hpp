@@ -1,0 +1,43 @@
+// A board of software behind a serial line, for tests of the running node.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "sim/software_board.hpp"
+
+namespace fpga_stereo::test {
+
+class PtyBoard {
+ public:
+  /// Plugged in: `path` becomes a link to the pseudo terminal.
+  PtyBoard(std::string path, const sim::SoftwareBoard::Options& options);
+  ~PtyBoard();
+
+  void plug(bool plugged);
+  /// Its cameras see this pair, `rate` times a second; an empty one: nothing.
+  void watch(const sim::RawPair& pair, double rate = 20);
+  std::uint32_t peek(std::uint32_t address);
+  void reset();
+
+ private:
+  void run();
+  void open_line();
+  void close_line();
+  bool move_bytes();
+
+  const std::string path_;
+  std::mutex mutex_;
+  sim::SoftwareBoard board_;
+  sim::RawPair pair_;
+  double rate_ = 20;
+  int master_ = -1;
+  std::vector<std::uint8_t> out_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace fpga_stereo::test
