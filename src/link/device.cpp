@@ -105,13 +105,10 @@ void Device::run() {
     hand_on();
     if (!moved) {
       callbacks_.note(moved.error().message);
-      const std::lock_guard<std::mutex> lock(mutex_);
-      closed_because_ = moved.error().message;
-      close();
+      close(moved.error().message);
     }
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
-  close();
+  if (transport_) close("the device is being closed");
 }
 
 bool Device::open() {
@@ -141,10 +138,16 @@ bool Device::open() {
   return true;
 }
 
-void Device::close() {
-  session_.closed();
-  description_.clear();
+void Device::close(const std::string& why) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closed_because_ = why;
+    session_.closed();
+    description_.clear();
+  }
   transport_.reset();
+  hand_on();
+  if (callbacks_.closed) callbacks_.closed();
 }
 
 Status Device::exchange() {
@@ -214,9 +217,7 @@ void Device::serve(Session::Step step) {
   if (!done) callbacks_.note(done.error().message);
   const bool closes = step == Session::Step::kReopen || step == Session::Step::kReset;
   if (!closes && done) return;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  closed_because_ = std::string("the line is being opened anew: ") + name(step);
-  close();
+  close(std::string("the line is being opened anew: ") + name(step));
 }
 
 }  // namespace fpga_stereo::link

@@ -55,11 +55,18 @@ BoardSource::BoardSource(const BoardSettings& settings, link::Opener open, Camer
       cameras_(cameras),
       health_(health),
       callbacks_(std::move(callbacks)),
-      device_(
-          device_options(settings, std::move(open)),
-          {[this](std::vector<Session::Received> sets) { received(std::move(sets)); },
-           [this](const link::Identity& identity) { identified(identity); },
-           [](const std::string& note) { ROS_INFO_STREAM_NAMED("stereo", "board: " << note); }}) {}
+      device_(device_options(settings, std::move(open)), device_callbacks()) {}
+
+link::Device::Callbacks BoardSource::device_callbacks() {
+  link::Device::Callbacks callbacks;
+  callbacks.received = [this](std::vector<Session::Received> sets) { received(std::move(sets)); };
+  callbacks.identified = [this](const link::Identity& identity) { identified(identity); };
+  callbacks.closed = [this] { closed(); };
+  callbacks.note = [](const std::string& note) {
+    ROS_INFO_STREAM_NAMED("stereo", "board: " << note);
+  };
+  return callbacks;
+}
 
 // What is wanted.
 
@@ -77,20 +84,23 @@ void BoardSource::identified(const link::Identity& identity) {
   callbacks_.changed();
 }
 
-void BoardSource::refresh() {
-  const link::Device::Snapshot now = device_.snapshot();
-  bool changed = false;
+void BoardSource::closed() {
+  std::map<std::uint64_t, InputPair> sent;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (identity_ &&
-        (now.state == Session::State::kClosed || now.state == Session::State::kRefused)) {
-      identity_.reset();
-      changed = true;
-    }
+    if (!identity_) return;
+    identity_.reset();
+    sent = std::exchange(sent_, {});
   }
-  if (changed) {
-    cameras_.show(false);
-    callbacks_.changed();
+  // What the board has not answered the software does.
+  for (const auto& [id, pair] : sent) callbacks_.pair(pair);
+  cameras_.show(false);
+  callbacks_.changed();
+}
+
+void BoardSource::refresh() {
+  if (device_.snapshot().state == Session::State::kRefused) {
+    closed();
   } else if (!settings_.topic_input && present()) {
     CameraTopics::Infos infos = cameras_.infos();
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -124,6 +134,10 @@ void BoardSource::set_demand(const Demand& demand) {
 
 void BoardSource::configure() {
   if (!identity_) return;
+  if (settings_.topic_input && infos_.left.width == 0) {
+    unable_ = "no calibrated pair has come on its topics yet";
+    return;
+  }
   auto made = std::make_shared<Made>();
   made->settings = node_settings_;
   made->infos = infos_;
@@ -208,7 +222,7 @@ void BoardSource::want() {
 bool BoardSource::takes_pairs() const {
   if (!settings_.topic_input) return false;
   const std::lock_guard<std::mutex> lock(mutex_);
-  return identity_ && unable_.empty();
+  return identity_.has_value();
 }
 
 bool BoardSource::send(const InputPair& pair) {
@@ -332,8 +346,9 @@ void BoardSource::take_pair(const link::FrameSet& set, const Made& made) {
     return refuse(added.error().message);
   }
   if (settings_.verify > 0 && set.frame_id % static_cast<std::uint64_t>(settings_.verify) == 0) {
-    verifier_.offer({frame.left.mono, frame.right.mono, frame.disparity, made.rectification,
-                     made.settings.pipeline});
+    // Copies: the grey images may be those of the messages.
+    verifier_.offer({frame.left.mono.clone(), frame.right.mono.clone(), frame.disparity,
+                     made.rectification, made.settings.pipeline});
   }
   callbacks_.frame(frame);
 }

@@ -30,6 +30,8 @@ class Device {
     std::function<void(std::vector<Session::Received>)> received;
     /// A board was identified; want() is to be called with what suits its build.
     std::function<void(const Identity&)> identified;
+    /// The line is closed; what was under way will not come.
+    std::function<void()> closed;
     /// Something has happened that people should know.
     std::function<void(const std::string&)> note;
   };
@@ -71,7 +73,7 @@ class Device {
   void run();
   /// Opens the line or waits; false: there is none.
   bool open();
-  void close();
+  void close(const std::string& why);
   /// Bytes both ways, once. An error closes the line.
   Status exchange();
   void serve(Session::Step step);

@@ -29,7 +29,7 @@ class BoardSource {
   /// Called from the device's thread.
   struct Callbacks {
     std::function<void(const StereoFrame&)> frame;
-    /// A raw pair of the board's cameras whose disparity the board cannot make.
+    /// A raw pair whose disparity the board cannot make, or will not any more.
     std::function<void(const InputPair&)> pair;
     /// How far the board can be used has changed.
     std::function<void()> changed;
@@ -66,7 +66,9 @@ class BoardSource {
     std::shared_ptr<const StereoRectification> rectification;  // null: the board's images are raw
   };
 
+  link::Device::Callbacks device_callbacks();
   void identified(const link::Identity& identity);
+  void closed();
   void received(std::vector<link::Session::Received> sets);
   void take(const link::Session::Received& received);
   void take_pair(const link::FrameSet& set, const Made& made);
