@@ -97,7 +97,7 @@ void UsbTransport::take(Buffer& buffer) {
   counters_.stalls += stripped.overruns;
   buffer.begin = 0;
   buffer.end = stripped.size;
-  (stripped.size > 0 && !paused_ ? arrived_ : free_).push_back(&buffer);
+  (stripped.size > 0 ? arrived_ : free_).push_back(&buffer);
   switch (transfer.status) {
     case LIBUSB_TRANSFER_COMPLETED:
       halts_in_a_row_ = 0;

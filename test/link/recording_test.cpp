@@ -83,9 +83,12 @@ TEST_F(Recording, GivesWhatWasRead) {
     EXPECT_EQ(recorder.counters().bytes_in, sent.size());
     EXPECT_EQ(recorder.description(), "memory, recorded to " + path_);
   }
-  const auto replay = link::open_transport("replay:" + path_ + ":0");
-  ASSERT_TRUE(replay) << replay.error().message;
-  EXPECT_TRUE(read_all(**replay, sent.size()) == sent);
+  auto replay = link::open_transport("replay:" + path_ + ":0");
+  for (const std::size_t piece : {1, 511, 3000, 65536}) {
+    replay = link::open_transport("replay:" + path_ + ":0");
+    ASSERT_TRUE(replay) << replay.error().message;
+    EXPECT_TRUE(read_all(**replay, sent.size(), piece) == sent) << piece;
+  }
   EXPECT_EQ(write_all(**replay, sent), sent.size());
   EXPECT_EQ((*replay)->counters().bytes_in, sent.size());
   std::uint8_t byte = 0;

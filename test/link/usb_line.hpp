@@ -48,4 +48,10 @@ class UsbLine : public Line, private sim::FifoBackend {
   sim::VirtualFt232h chip;  // the last: it calls the others
 };
 
+/// None, and a failed test, if it cannot be opened.
+std::unique_ptr<link::Transport> open_usb(const std::string& name = "usb");
+
+/// Sends `size` bytes each way.
+void expect_bytes(UsbLine& line, link::Transport& transport, std::size_t size, unsigned seed);
+
 }  // namespace fpga_stereo::test
