@@ -1,8 +1,8 @@
 // fs_link_uart on a serial line whose other end has a clock of its own.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -246,8 +246,8 @@ TEST(RtlUartLine, WhatFindsNoRoomIsDroppedAndCounted) {
   EXPECT_EQ(rig.overruns, 25 - 18);
   rig.model.rx_ready_i = 1;
   rig.run(100);
-  std::vector<std::uint8_t> bytes;
-  for (int i = 0; i < 18; ++i) bytes.push_back(static_cast<std::uint8_t>(i));
+  std::vector<std::uint8_t> bytes(18);
+  std::iota(bytes.begin(), bytes.end(), 0);
   EXPECT_EQ(rig.received, bytes);
 }
 
