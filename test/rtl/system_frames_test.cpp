@@ -120,14 +120,14 @@ TEST(RtlSystemFrames, TimeIsThatOfTheMiddleOfTheExposure) {
   const cv::Size size(40, 20);
   rig.configure(system_parameters(), unmoved(size));
   rig.write(spec::kRegStreams, kAllStreams);
-  rig.write(spec::kRegMidExposure, 20);
+  rig.write(spec::kRegMidExposure, 5000);
   rig.run(1000 * kMs);
   rig.read(spec::kRegIdentity);
   const std::int64_t before = rig.system().microseconds();
   rig.system().feed(textured(size, 1, 1)[0]);
   rig.run_until_frames(5);
   for (const Assembled& frame : rig.frames) {
-    EXPECT_NEAR(static_cast<double>(frame.timestamp), static_cast<double>(before) - 20, 60)
+    EXPECT_NEAR(static_cast<double>(frame.timestamp), static_cast<double>(before) - 5000, 60)
         << frame.text();
   }
 }
