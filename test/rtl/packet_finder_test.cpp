@@ -50,8 +50,10 @@ class FinderRig {
   }
   /// Until nothing more is found in what has come.
   void settle() {
+    constexpr std::size_t kMostPackets = 1000;  // of any test here
     for (int quiet = 0; quiet < 20000; ++quiet) {
       const std::size_t before = packets.size();
+      ASSERT_LT(before, kMostPackets) << "one is found again and again";
       clock();
       if (packets.size() != before || model_.packet_o != 0) quiet = 0;
     }
