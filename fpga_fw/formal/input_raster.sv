@@ -15,6 +15,7 @@ module input_raster #(
   input logic        sof_i,
   input logic        eol_i,
   input logic        room_i,
+  input logic        bubble_room_i,
   input logic        frame_out_i,
   input logic        apply_i,
   output logic [4:0] reached_o
@@ -28,8 +29,8 @@ module input_raster #(
     .clk_i, .rst_ni, .width_i, .height_i, .valid_i, .ready_o, .sof_i, .eol_i,
     .left_i(8'd0), .right_i(8'd0),
     .stage_rst_no, .en_o, .valid_o, .sof_o, .sol_o, .left_o, .right_o,
-    .room_i, .frame_out_i, .frame_in_o, .frame_bad_o, .apply_i, .apply_o, .busy_o, .cut_frame_o,
-    .long_frame_o
+    .room_i, .bubble_room_i, .frame_out_i, .frame_in_o, .frame_bad_o, .apply_i, .apply_o, .busy_o,
+    .cut_frame_o, .long_frame_o
   );
   (* hierconn *) wire [7:0] \u_input.hold_q ;
   (* hierconn *) wire [11:0] \u_input.x_q , \u_input.y_q ;

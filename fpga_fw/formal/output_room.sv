@@ -27,8 +27,8 @@ module output_room #(
   logic [15:0] disparity_o;
   fs_output #(.MaxFrames(4), .EnableClocks(EnableClocks)) u_output (
     .clk_i, .rst_ni, .width_i, .height_i, .stage_rst_ni, .en_i, .valid_i, .sof_i, .sol_i,
-    .disparity_i, .room_o, .frame_out_o, .frame_in_i, .frame_bad_i, .buffer_sof_i, .buffer_error_i,
-    .buffer_frame_o, .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
+    .disparity_i, .room_i(1'b1), .room_o, .frame_out_o, .frame_in_i, .frame_bad_i, .buffer_sof_i,
+    .buffer_error_i, .buffer_frame_o, .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
   );
   (* hierconn *) wire \u_output.push_q , \u_output.unused_ready ;
   (* hierconn *) wire [4:0] \u_output.count ;

@@ -17,6 +17,7 @@ module shadow_swap #(
   input logic        sof_i,
   input logic        eol_i,
   input logic        room_i,
+  input logic        bubble_room_i,
   input logic        frame_out_i,
   output logic [3:0] reached_o
 );
@@ -49,7 +50,7 @@ module shadow_swap #(
     .clk_i, .rst_ni, .width_i(width), .height_i(height), .valid_i, .ready_o(ready), .sof_i, .eol_i,
     .left_i(8'd0), .right_i(8'd0), .stage_rst_no(stage_rst_n), .en_o(en), .valid_o(valid),
     .sof_o(sof), .sol_o(sol), .left_o(left), .right_o(right),
-    .room_i, .frame_out_i, .frame_in_o(frame_in), .frame_bad_o(frame_bad),
+    .room_i, .bubble_room_i, .frame_out_i, .frame_in_o(frame_in), .frame_bad_o(frame_bad),
     .apply_i(pending), .apply_o(apply), .busy_o(busy), .cut_frame_o(cut_frame),
     .long_frame_o(long_frame)
   );

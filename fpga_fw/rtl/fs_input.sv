@@ -8,7 +8,9 @@
 //             between frames  a tick with a frame's first pixel, if it is there, the row before is
 //                             complete and MinRows rows have begun since the last frame did; else a
 //                             tick of a bubble row, if one is begun, or frames are in flight, or
-//                             the frame that waits needs the distance; else none
+//                             the frame that waits needs the distance; else none. Bubbles wait
+//                             for bubble_room_i, too, while no frame waits for them: so what leaves
+//                             the pipeline behind a frame does so as fast as it is taken
 //           Frames that are not width_i x height_i:
 //             line too short   eol comes early: the rest of the line is 0
 //             line too long    pixels after the width_i-th are dropped, up to eol or sof
@@ -56,6 +58,7 @@ module fs_input #(
   output logic [7:0]  right_o,
   // To and from the other end. Pulses.
   input  logic        room_i,
+  input  logic        bubble_room_i,  // and for what bubble rows move on
   input  logic        frame_out_i,  // the last pixel of a frame has left the pipeline
   output logic        frame_in_o,   // a frame has begun
   output logic        frame_bad_o,  // the frame that began last is cut or long
@@ -101,7 +104,8 @@ module fs_input #(
     begins = ~frame_q & first_q & sof_waits & spaced_q & ~full_q & ~apply_i;
     bubbles = ~frame_q & (~first_q | ~idle_q | (sof_waits & ~spaced_q & ~apply_i));
     tick = running & room_i &
-           (begins | bubbles | (frame_q & (pads | (head_valid & ~drop_line_q))));
+           (begins | (bubbles & (bubble_room_i | sof_waits)) |
+            (frame_q & (pads | (head_valid & ~drop_line_q))));
     begin_tick = tick & begins;
     take = tick & (frame_q ? ~pads : begins);
     drop = head_valid & ~head_sof & (~frame_q | drop_line_q);

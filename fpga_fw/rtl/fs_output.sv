@@ -12,7 +12,8 @@
 // Latency   3 clocks from the tick to valid_o.
 // Handshake raster in, stream out. room_o says that the FIFO can take 4 words more, and one for each
 //           of EnableClocks: so many may be on their way when fs_input reads it, whose en_o comes
-//           here EnableClocks later. While stage_rst_ni is low the raster is ignored.
+//           here EnableClocks later; and that room_i was high. While stage_rst_ni is low the raster
+//           is ignored.
 // Limits    MaxFrames as in fs_input. A flag must come 4 clocks before its frame's last tick.
 module fs_output #(
   parameter int MaxFrames = 256,
@@ -30,6 +31,7 @@ module fs_output #(
   input  logic        sol_i,
   input  logic [15:0] disparity_i,
   // To and from the input. Pulses.
+  input  logic        room_i,          // further on
   output logic        room_o,
   output logic        frame_out_o,     // a frame's last pixel has left the pipeline
   input  logic        frame_in_i,      // a frame has begun
@@ -122,6 +124,6 @@ module fs_output #(
     .count_o(count)
   );
   always_ff @(posedge clk_i) begin
-    room_o <= rst_ni & count <= ($clog2(Depth) + 1)'(Depth - OnTheWay);
+    room_o <= rst_ni & room_i & count <= ($clog2(Depth) + 1)'(Depth - OnTheWay);
   end
 endmodule

@@ -26,6 +26,7 @@ module fs_top #(
   parameter int LineRows = 102,    // of the line buffer
   parameter int MeshNodes = 5120,  // of a mesh
   parameter int Primitives = 0,    // 0: behavioural arithmetic, 1: carry chains of the ECP5
+  parameter int MaxFrames = 64,    // in flight; a further one waits
   localparam int Reach = CensusFull != 0 ? CensusWindow / 2 : CensusWindow / 4 * 2,
   localparam int Side = CensusFull != 0 ? CensusWindow : Reach + 1,
   localparam int CensusBits = Side * Side - 1,
@@ -55,7 +56,27 @@ module fs_top #(
   output logic        eol_o,
   output logic        eof_o,
   output logic        bad_o,
-  output logic [15:0] disparity_o
+  output logic [15:0] disparity_o,
+  // For a link (fs_link): no tick begins without room_i, no bubble that may wait without bubble_room_i;
+  // what happens at the input, as pulses; the size in effect; the images in front of rectify and
+  // behind it, a clock behind their ticks.
+  input  logic        room_i,
+  input  logic        bubble_room_i,
+  output logic        applied_o,  // a configuration has taken effect
+  output logic        frame_in_o,
+  output logic        cut_frame_o,  // of the frame that began last
+  output logic        long_frame_o,
+  output logic [11:0] width_o,
+  output logic [11:0] height_o,
+  output logic        raw_valid_o,
+  output logic        raw_sof_o,
+  output logic [7:0]  raw_left_o,
+  output logic [7:0]  raw_right_o,
+  output logic        rectified_valid_o,
+  output logic        rectified_sof_o,
+  output logic        rectified_error_o,  // with the pixel: it is not what the mesh asks for
+  output logic [7:0]  rectified_left_o,
+  output logic [7:0]  rectified_right_o
 );
   // The tick for each neighbourhood: how many copies, and where each stage's begin.
   localparam int RectifyCopies = 5, CensusCopies = 5, MatchCopies = 2 + Disparities / 4;
@@ -136,13 +157,13 @@ module fs_top #(
   // The stream becomes the raster.
   logic first_valid, first_sof, first_sol;
   logic [7:0] first_left, first_right;
-  localparam int MaxFrames = 64;  // in flight; a further one waits
   fs_input #(.MinRows(CorrelationWindow / 2 + 1), .MaxFrames(MaxFrames)) u_input (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .valid_i, .ready_o, .sof_i, .eol_i, .left_i, .right_i,
     .stage_rst_no(first_rst_n), .en_o(first_en), .valid_o(first_valid), .sof_o(first_sof),
     .sol_o(first_sol), .left_o(first_left), .right_o(first_right),
-    .room_i(room), .frame_out_i(frame_out), .frame_in_o(frame_in), .frame_bad_o(frame_bad),
+    .room_i(room), .bubble_room_i,
+    .frame_out_i(frame_out), .frame_in_o(frame_in), .frame_bad_o(frame_bad),
     .apply_i(pending), .apply_o(apply), .busy_o(busy),
     .cut_frame_o(cut_frame), .long_frame_o(long_frame)
   );
@@ -265,11 +286,31 @@ module fs_top #(
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .stage_rst_ni(stage_rst_n[fs_pkg::NumStages]), .en_i(en[OutputAt]),
     .valid_i(spike_valid), .sof_i(spike_sof), .sol_i(spike_sol), .disparity_i(disparity),
-    .room_o(room), .frame_out_o(frame_out), .frame_in_i(frame_in), .frame_bad_i(frame_bad),
+    .room_i, .room_o(room),
+    .frame_out_o(frame_out), .frame_in_i(frame_in), .frame_bad_i(frame_bad),
     .buffer_sof_i(rectify_sof), .buffer_error_i(left_error | right_error),
     .buffer_frame_o(buffer_frame),
     .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
   );
+
+  // What a link sends besides.
+  assign applied_o = apply;
+  assign frame_in_o = frame_in;
+  assign cut_frame_o = cut_frame;
+  assign long_frame_o = long_frame;
+  assign width_o = width;
+  assign height_o = height;
+  always_ff @(posedge clk_i) begin
+    raw_valid_o <= rst_ni & stage_rst_n[fs_pkg::NumStages] & en[OutputAt] & raw_valid;
+    raw_sof_o <= raw_sof;
+    raw_left_o <= raw_left;
+    raw_right_o <= raw_right;
+    rectified_valid_o <= rst_ni & stage_rst_n[fs_pkg::NumStages] & en[OutputAt] & rectify_valid;
+    rectified_sof_o <= rectify_sof;
+    rectified_error_o <= left_error | right_error;
+    rectified_left_o <= left;
+    rectified_right_o <= right;
+  end
 
   // What each stage gave, in a number.
   fs_signatures #(

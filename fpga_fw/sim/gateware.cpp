@@ -1,10 +1,10 @@
 #include "sim/gateware.hpp"
 
-#include <dlfcn.h>
-
 #include <iomanip>
 #include <sstream>
 #include <utility>
+
+#include "sim/chance.hpp"
 
 namespace fpga_stereo::sim {
 namespace {
@@ -24,32 +24,7 @@ std::string hex(std::uint32_t value) {
   return text.str();
 }
 
-std::string last_dl_error() {
-  const char* text = dlerror();
-  return text != nullptr ? text : "";
-}
-
-/// Happens with a probability.
-class Chance {
- public:
-  Chance(double probability, unsigned seed)
-      : random_(seed), limit_(probability * std::mt19937::max()) {}
-  bool operator()() { return random_() <= limit_; }
-
- private:
-  std::mt19937 random_;
-  double limit_;
-};
-
 }  // namespace
-
-struct Gateware::Library {
-  ~Library() {
-    if (handle != nullptr) dlclose(handle);
-  }
-  void* handle = nullptr;
-  const ModelInterface* model = nullptr;
-};
 
 std::vector<Pixel> pixels(const std::vector<RawPair>& frames) {
   std::vector<Pixel> words;
@@ -66,31 +41,14 @@ std::vector<Pixel> pixels(const std::vector<RawPair>& frames) {
 }
 
 Result<Gateware> Gateware::open(const std::string& path, std::uint32_t seed) {
-  Gateware gateware;
-  auto library = std::make_shared<Library>();
-  library->handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library->handle == nullptr) return error(last_dl_error());
-  const auto function =
-      reinterpret_cast<fs_top_model_function*>(dlsym(library->handle, kModelSymbol));
-  if (function == nullptr) return error(concat(path, ": is no model of the gateware"));
-  library->model = function();
-  if (library->model->version != kModelVersion) {
-    return error(concat(path, ": is a model of version ", library->model->version,
-                        ": this program needs ", kModelVersion));
-  }
-  gateware.model_ = {library->model->create(seed), library->model->destroy};
-  if (!gateware.model_) {
-    return error(
-        concat(path, ": the gateware refuses what it was built for: ", library->model->error()));
-  }
-  gateware.library_ = library;
+  auto loaded = LoadedModel<ModelInterface>::open(path, kModelSymbol, seed);
+  if (!loaded) return loaded.error();
+  Gateware gateware(std::move(*loaded));
   gateware.reset();
   if (const Status status = gateware.check_identity(path); !status) return status.error();
   gateware.read_build();
   return gateware;
 }
-
-const ModelParameters& Gateware::model_parameters() const { return library_->model->parameters; }
 
 Status Gateware::check_identity(const std::string& path) {
   const std::uint32_t identity = read(spec::kRegIdentity);
@@ -114,8 +72,7 @@ void Gateware::read_build() {
 // Clocks and registers.
 
 ModelOutputs Gateware::clock(const ModelInputs& in) {
-  ModelOutputs out;
-  library_->model->clock(model_.get(), &in, &out);
+  const ModelOutputs out = model_.clock(in);
   ++clocks_;
   if (in.rst_n != 0) count_out(out, in.ready != 0);
   return out;
@@ -302,13 +259,5 @@ Result<std::vector<Frame>> Gateware::stream(const std::vector<Pixel>& words, std
 Result<std::vector<Frame>> Gateware::process(const std::vector<RawPair>& frames, const Flow& flow) {
   return stream(pixels(frames), frames.size(), flow);
 }
-
-Status Gateware::open_trace(const std::string& path) {
-  if (library_->model->open_trace(model_.get(), path.c_str()) != 0) return {};
-  return error(path + (model_parameters().trace != 0 ? ": cannot be written"
-                                                     : ": this model was built without --trace"));
-}
-
-void Gateware::close_trace() { library_->model->close_trace(model_.get()); }
 
 }  // namespace fpga_stereo::sim

@@ -5,11 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
-#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fpga_stereo/core/calibration.hpp"
@@ -18,7 +17,7 @@
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "sim/board.hpp"
-#include "sim/model.hpp"
+#include "sim/library.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -66,12 +65,9 @@ class Gateware {
   /// `seed`. Refuses a file that is no model and one of another specification.
   static Result<Gateware> open(const std::string& model, std::uint32_t seed = 1);
 
-  Gateware(Gateware&&) = default;
-  Gateware& operator=(Gateware&&) = delete;  // would unload a model that still exists
-
   /// What its registers say, and what it was made with.
   const GatewareBuild& build() const { return build_; }
-  const ModelParameters& model_parameters() const;
+  const ModelParameters& model_parameters() const { return model_.parameters(); }
 
   // Every function below takes clocks of simulated time. Those that write or read registers hold
   // both streams meanwhile, but for Flow::writes.
@@ -103,13 +99,11 @@ class Gateware {
   std::int64_t clocks() const { return clocks_; }
 
   /// Every signal from now on, as VCD; for models built with --trace.
-  Status open_trace(const std::string& path);
-  void close_trace();
+  Status open_trace(const std::string& path) { return model_.open_trace(path); }
+  void close_trace() { model_.close_trace(); }
 
  private:
-  struct Library;  // the shared object
-
-  Gateware() = default;
+  explicit Gateware(LoadedModel<ModelInterface> model) : model_(std::move(model)) {}
   ModelOutputs clock(const ModelInputs& in);
   Status check_identity(const std::string& model);
   void read_build();
@@ -120,8 +114,7 @@ class Gateware {
   /// Clocks after which a gateware in which nothing moves is stuck.
   std::int64_t patience() const;
 
-  std::shared_ptr<Library> library_;
-  std::unique_ptr<void, void (*)(void*)> model_{nullptr, nullptr};
+  LoadedModel<ModelInterface> model_;
   GatewareBuild build_;
   std::int64_t clocks_ = 0;
 

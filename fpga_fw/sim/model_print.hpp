@@ -1,5 +1,6 @@
-// Included into every file of a model: what Verilator's library would print goes to model.cpp.
+// Included into every file of a model: what Verilator's library would print goes to
+// model_print.cpp.
 #pragma once
 
-int fs_top_print(const char* format, ...);
-#define VL_PRINTF fs_top_print
+int fs_print(const char* format, ...);
+#define VL_PRINTF fs_print

@@ -52,7 +52,8 @@ module fs_ends #(
     .valid_i, .ready_o, .sof_i, .eol_i, .left_i, .right_i,
     .stage_rst_no, .en_o, .valid_o(raster_valid_o), .sof_o(raster_sof_o), .sol_o(raster_sol_o),
     .left_o(pixel[15:8]), .right_o(pixel[7:0]),
-    .room_i(room), .frame_out_i(frame_out_o), .frame_in_o(frame_in), .frame_bad_o(frame_bad),
+    .room_i(room), .bubble_room_i(1'b1), .frame_out_i(frame_out_o), .frame_in_o(frame_in),
+    .frame_bad_o(frame_bad),
     .apply_i(pending), .apply_o, .busy_o(busy), .cut_frame_o(cut_frame), .long_frame_o(long_frame)
   );
 
@@ -87,7 +88,7 @@ module fs_ends #(
     .clk_i, .rst_ni, .width_i(width_o), .height_i(height_o),
     .stage_rst_ni(stage_rst_no), .en_i(en_o),
     .valid_i(last_valid), .sof_i(last_sof), .sol_i(last_sol), .disparity_i(last_data),
-    .room_o(room), .frame_out_o, .frame_in_i(frame_in), .frame_bad_i(frame_bad),
+    .room_i(1'b1), .room_o(room), .frame_out_o, .frame_in_i(frame_in), .frame_bad_i(frame_bad),
     .buffer_sof_i(first_sof), .buffer_error_i(buffer_error), .buffer_frame_o(buffer_frame),
     .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
   );

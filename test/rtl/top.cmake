@@ -3,15 +3,23 @@
 set(sim ${PROJECT_SOURCE_DIR}/fpga_fw/sim)
 set(models ${PROJECT_BINARY_DIR}/models)
 file(GLOB model_sources ${rtl}/*.sv ${sim}/model* ${sim}/build_model)
+file(GLOB link_sources ${rtl}/link/*.sv)
 
-# fpga_stereo_model(TARGET MAX_WIDTH ... MESH_NODES [--trace]), the arguments of build_model
+# fpga_stereo_model(TARGET MAX_WIDTH ... [--trace]), the arguments of build_model: of fs_top seven
+# numbers, of fs_system ten
 function(fpga_stereo_model target)
-  string(REPLACE ";" "_" name "fs_top_${ARGN}")
+  set(top fs_top)
+  set(sources ${model_sources})
+  if(ARGC GREATER 10)
+    set(top fs_system)
+    list(APPEND sources ${link_sources})
+  endif()
+  string(REPLACE ";" "_" name "${top}_${ARGN}")
   string(REPLACE "--" "" name ${name})
   add_custom_command(
     OUTPUT ${models}/${name}.so
     COMMAND ${sim}/build_model ${ARGN} ${models}
-    DEPENDS ${model_sources}
+    DEPENDS ${sources}
     COMMENT "Building the simulated gateware ${name}"
   )
   add_custom_target(${target} DEPENDS ${models}/${name}.so)

@@ -71,6 +71,7 @@ module top #(
 
   logic valid, sof, eol, eof, bad, read_valid;
   logic [15:0] disparity;
+  logic [64:0] unused_link;
   fs_top #(
     .MaxWidth(MaxWidth), .Disparities(Disparities), .CensusFull(CensusFull),
     .Primitives(Primitives)
@@ -82,7 +83,13 @@ module top #(
     .valid_i(raw_valid), .ready_o(raw_ready), .sof_i(raw_sof), .eol_i(raw_eol),
     .left_i(raw_left), .right_i(raw_right),
     .valid_o(valid), .ready_i(1'b1), .sof_o(sof), .eol_o(eol), .eof_o(eof), .bad_o(bad),
-    .disparity_o(disparity)
+    .disparity_o(disparity), .room_i(1'b1), .bubble_room_i(1'b1),
+    .applied_o(unused_link[0]), .frame_in_o(unused_link[1]), .cut_frame_o(unused_link[2]),
+    .long_frame_o(unused_link[3]), .width_o(unused_link[15:4]), .height_o(unused_link[27:16]),
+    .raw_valid_o(unused_link[28]), .raw_sof_o(unused_link[29]), .raw_left_o(unused_link[37:30]),
+    .raw_right_o(unused_link[45:38]), .rectified_valid_o(unused_link[46]),
+    .rectified_sof_o(unused_link[47]), .rectified_error_o(unused_link[48]),
+    .rectified_left_o(unused_link[56:49]), .rectified_right_o(unused_link[64:57])
   );
   panel u_panel (
     .clk_i(clk), .rst_ni(rst_n), .read_i(panel_read), .address_o(panel_address), .data_i(read_data),

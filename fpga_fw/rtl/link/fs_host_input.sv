@@ -1,0 +1,196 @@
+// Pairs of images from the host, in the place of cameras.
+//
+// Formula   link.md "Frames", stream input: of each row the left image, then the right one. Rows come
+//           in order, one to a packet; what is missing when a later row, the trailer, another leader or
+//           the end comes (no host, or INPUT back at the cameras) is made up: of each such row one
+//           black pixel with eol, which fs_input fills up and flags as cut.
+// C++ twin  HostInput test in test/rtl/system_input_test.cpp
+// Schedule  leader  its 12 bytes
+//           row     width bytes into a buffer, then of each further byte a pair of pixels
+// Handshake in: packets of fs_packet_finder while packet_i is high; done_o when it is done with. Out: the
+//           stream of fs_top. frame_id_o and timestamp_o stay until held_i is low: the frame has begun.
+// Limits    a leader must be of stream input, grey, 16 to 1280 x 1 to 1200; another is ignored, and
+//           so are rows and trailers that belong to no frame, and rows that came before.
+module fs_host_input (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic        enable_i,  // INPUT.host, and there is a host
+  // A packet of a frame.
+  input  logic        packet_i,
+  input  logic [7:0]  type_i,
+  input  logic [7:0]  stream_i,
+  input  logic [15:0] length_i,
+  input  logic [15:0] index_i,
+  input  logic [63:0] frame_id_i,
+  input  logic [63:0] timestamp_i,
+  input  logic        byte_valid_i,
+  output logic        byte_ready_o,
+  input  logic [7:0]  byte_i,
+  output logic        done_o,
+  // Pixels.
+  output logic        valid_o,
+  input  logic        ready_i,
+  output logic        sof_o,
+  output logic        eol_o,
+  output logic [7:0]  left_o,
+  output logic [7:0]  right_o,
+  // The frame.
+  input  logic        held_i,   // its first pixel waits to begin, or those before
+  output logic        open_o,
+  output logic [63:0] frame_id_o,
+  output logic [63:0] timestamp_o,
+  output logic        error_o   // pulse: it lacked rows or its trailer
+);
+  localparam int LeaderBytes = 12;
+  localparam int MaxWidth = fs_pkg::GatewareMaxWidth;
+  localparam int WidthBits = $clog2(MaxWidth + 1);
+  typedef enum logic [3:0] {
+    Idle, Judge, Take, Open, Left, Right, Fill, Close, Wait, Done
+  } state_e;
+  state_e state_q;
+  logic open_q, lacks_q;
+  logic [WidthBits-1:0] width_q, x_q, x_d;
+  logic [11:0] height_q, row_q, fill_q;  // rows that are done, to be reached
+  logic [15:0] row_bytes_q;
+  logic [8*LeaderBytes-1:0] leader_q;
+  logic [3:0] count_q;
+  logic closes_q;  // behind the rows that are filled, the frame ends
+  logic packet_q;  // and the packet that led to this is judged again
+
+  // What the packet is, a clock after it came.
+  logic is_leader_q, is_rows_q, is_trailer_q, same_q, row_length_q, later_q, next_q;
+  logic [15:0] leader_width, leader_height;
+  logic leader_ok_q;
+  assign leader_width = leader_q[15:0];
+  assign leader_height = leader_q[31:16];
+  always_ff @(posedge clk_i) begin
+    is_leader_q <= stream_i == fs_pkg::StreamInput & type_i == fs_pkg::PacketLeader;
+    is_rows_q <= stream_i == fs_pkg::StreamInput & type_i == fs_pkg::PacketRows;
+    is_trailer_q <= stream_i == fs_pkg::StreamInput & type_i == fs_pkg::PacketTrailer &
+                    length_i == 16'd12;
+    same_q <= frame_id_i == frame_id_o;
+    row_length_q <= length_i == row_bytes_q;
+    next_q <= index_i == 16'(row_q);
+    later_q <= index_i > 16'(row_q) & index_i < 16'(height_q);
+    row_bytes_q <= (16'(width_q) * 16'd2 + 16'd3) & 16'hFFFC;
+    leader_ok_q <= leader_width >= 16'(fs_pkg::GatewareMinWidth) &
+                   leader_width <= 16'(fs_pkg::GatewareMaxWidth) & leader_height != '0 &
+                   leader_height <= 16'(fs_pkg::GatewareMaxHeight) &
+                   leader_q[32+:8] == fs_pkg::FormatGrey;
+  end
+
+  // The left row.
+  logic [7:0] row[0:2047];
+  logic [7:0] left_q;
+  logic go, take_left, take_right, last_x;
+  assign go = ~valid_o | ready_i;
+  assign take_left = state_q == Left & byte_valid_i;
+  assign take_right = state_q == Right & byte_valid_i & go;
+  assign last_x = x_q == width_q - 1'b1;
+  assign x_d = take_left | take_right ? (last_x ? '0 : x_q + 1'b1) : x_q;
+  always_ff @(posedge clk_i) begin
+    if (take_left) row[11'(x_q)] <= byte_i;
+    left_q <= row[11'(x_d)];
+  end
+  assign byte_ready_o = state_q == Take | state_q == Left | (state_q == Right & go);
+  assign done_o = state_q == Done;
+  assign open_o = open_q;
+
+  logic fill;
+  assign fill = state_q == Fill & go & row_q != fill_q;
+  always_ff @(posedge clk_i) begin
+    error_o <= 1'b0;
+    x_q <= x_d;
+    if (go) begin
+      valid_o <= take_right | fill;
+      sof_o <= row_q == '0 & x_q == '0;
+      eol_o <= fill | last_x;
+      left_o <= fill ? '0 : left_q;
+      right_o <= fill ? '0 : byte_i;
+    end
+    case (state_q)
+      Idle: begin
+        count_q <= '0;
+        packet_q <= packet_i;
+        if (packet_i) begin
+          state_q <= Wait;
+        end else if (open_q & ~enable_i) begin
+          lacks_q <= 1'b1;
+          fill_q <= height_q;
+          closes_q <= 1'b1;
+          state_q <= Fill;
+        end
+      end
+      Wait: state_q <= Judge;
+      Judge: begin
+        state_q <= Done;
+        if (open_q & ((is_leader_q & ~same_q) | (is_trailer_q & same_q) | ~enable_i)) begin
+          // The trailer alone says that nothing is missing.
+          if (~is_trailer_q | ~same_q) lacks_q <= 1'b1;
+          fill_q <= height_q;
+          closes_q <= 1'b1;
+          state_q <= Fill;
+        end else if (is_leader_q & ~open_q & enable_i & length_i == 16'(LeaderBytes)) begin
+          // Its numbers take the place of those of the frame before.
+          state_q <= held_i ? Judge : Take;
+        end else if (is_rows_q & open_q & same_q & row_length_q & later_q) begin
+          fill_q <= index_i[11:0];
+          closes_q <= 1'b0;
+          state_q <= Fill;
+        end else if (is_rows_q & open_q & same_q & row_length_q & next_q & row_q != height_q) begin
+          state_q <= Left;
+        end
+      end
+      Take: if (byte_valid_i) begin
+        leader_q <= {byte_i, leader_q[8*LeaderBytes-1:8]};
+        count_q <= count_q + 4'd1;
+        if (count_q == 4'(LeaderBytes - 1)) state_q <= Open;
+      end
+      Open: begin
+        count_q <= count_q + 4'd1;
+        if (count_q == '1) begin
+          state_q <= Done;
+          open_q <= leader_ok_q;
+          lacks_q <= 1'b0;
+          row_q <= '0;
+          x_q <= '0;
+          width_q <= WidthBits'(leader_width);
+          height_q <= 12'(leader_height);
+          if (leader_ok_q) begin
+            frame_id_o <= frame_id_i;
+            timestamp_o <= timestamp_i;
+          end
+        end
+      end
+      Left: if (take_left & last_x) state_q <= Right;
+      Right: if (take_right & last_x) begin
+        row_q <= row_q + 12'd1;
+        state_q <= Done;
+      end
+      Fill: begin
+        if (fill) begin
+          row_q <= row_q + 12'd1;
+          lacks_q <= 1'b1;
+        end
+        if (row_q == fill_q) state_q <= closes_q ? Close : Wait;
+      end
+      Close: begin
+        open_q <= 1'b0;
+        error_o <= lacks_q;
+        lacks_q <= 1'b0;
+        // A trailer is done with; a leader begins the next frame.
+        state_q <= packet_q ? Wait : Idle;
+      end
+      default: state_q <= Idle;  // Done
+    endcase
+    if (!rst_ni) begin
+      state_q <= Idle;
+      open_q <= 1'b0;
+      valid_o <= 1'b0;
+      lacks_q <= 1'b0;
+      width_q <= WidthBits'(fs_pkg::GatewareMinWidth);
+    end
+  end
+  logic unused;
+  assign unused = ^leader_q;
+endmodule

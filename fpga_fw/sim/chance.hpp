@@ -1,0 +1,20 @@
+// For streams that stall at random.
+#pragma once
+
+#include <random>
+
+namespace fpga_stereo::sim {
+
+/// Happens with a probability.
+class Chance {
+ public:
+  Chance(double probability, unsigned seed)
+      : random_(seed), limit_(probability * std::mt19937::max()) {}
+  bool operator()() { return random_() <= limit_; }
+
+ private:
+  std::mt19937 random_;
+  double limit_;
+};
+
+}  // namespace fpga_stereo::sim

@@ -1,0 +1,213 @@
+// A simulated board and a host that speaks to it over the link, for tests of both.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fpga_stereo/link/decoder.hpp"
+#include "fpga_stereo/link/frame_assembler.hpp"
+#include "sim/system.hpp"
+#include "top_rig.hpp"
+
+namespace fpga_stereo::test {
+
+using link::Assembled;
+using link::Header;
+using link::PacketType;
+using link::Stream;
+using Words = std::vector<std::uint32_t>;
+using Verdict = Assembled::Verdict;
+
+/// The model that the tests run on; FPGA_STEREO_SYSTEM_MODEL names another one.
+inline std::string system_model_path() {
+  const char* const other = std::getenv("FPGA_STEREO_SYSTEM_MODEL");
+  if (other != nullptr) return other;
+  return std::string(FPGA_STEREO_MODELS) + "/fs_system_64_16_11_15_0_10_80_100000_126_4.so";
+}
+
+inline std::vector<std::uint8_t> bytes_of(const Words& words) {
+  std::vector<std::uint8_t> bytes(4 * words.size());
+  for (std::size_t i = 0; i < words.size(); ++i) link::put_u32(&bytes[4 * i], words[i]);
+  return bytes;
+}
+
+/// A packet that has come, with its payload as words.
+struct Received {
+  Header header;
+  Words payload;
+};
+
+class SystemRig {
+ public:
+  explicit SystemRig(std::uint32_t seed = 1) : system_(opened(seed)) {}
+
+  sim::SystemModel& system() { return system_; }
+  const link::Decoder::Counters& counters() const { return decoder_.counters(); }
+  const link::FrameAssembler::Counters& frame_counters() const { return assembler_.counters(); }
+
+  /// Appends a packet to what the host sends; gives its bytes.
+  std::vector<std::uint8_t> send(Header header, const std::vector<std::uint8_t>& payload) {
+    header.sequence = sequence_++;
+    std::vector<std::uint8_t> bytes;
+    link::append_packet(header, payload.data(), payload.size(), bytes);
+    system_.from_host(bytes.data(), bytes.size());
+    return bytes;
+  }
+  /// As if packets of the host had been lost.
+  void skip_sequence(std::uint32_t count) { sequence_ += count; }
+  std::uint16_t send_request(PacketType type, const Words& payload) {
+    Header header;
+    header.type = type;
+    header.index = ++id_;
+    send(header, bytes_of(payload));
+    return id_;
+  }
+
+  /// Lets the clock run and sorts what comes.
+  void run(std::int64_t clocks) {
+    const std::int64_t end = system_.clocks() + clocks;
+    while (system_.clocks() < end) {
+      system_.run(end - system_.clocks());
+      receive();
+    }
+  }
+  /// Until `done`, or a failure after `max_clocks`.
+  void run_until(const std::function<bool()>& done, std::int64_t max_clocks = 400000) {
+    const std::int64_t end = system_.clocks() + max_clocks;
+    constexpr std::int64_t kStep = 500;
+    while (!done()) {
+      if (system_.clocks() >= end) throw std::runtime_error("nothing more comes");
+      system_.run(kStep);
+      receive();
+    }
+  }
+  void run_until_frames(std::size_t count) {
+    run_until([&] { return frames.size() >= count; });
+  }
+
+  /// A request and its answer.
+  Received request(PacketType type, const Words& payload) {
+    const std::uint16_t id = send_request(type, payload);
+    run_until([&] { return !answers.empty(); });
+    const Received answer = answers.front();
+    answers.erase(answers.begin());
+    EXPECT_EQ(answer.header.index, id);
+    return answer;
+  }
+  std::uint32_t read(std::uint32_t address) {
+    const Received answer = request(PacketType::kReadRegisters, {address});
+    EXPECT_EQ(answer.header.type, PacketType::kRegisters);
+    return answer.payload.at(1);
+  }
+  void write(std::uint32_t address, std::uint32_t value) {
+    EXPECT_EQ(request(PacketType::kWriteRegisters, {address, value}).header.type,
+              PacketType::kWritten);
+  }
+  /// Everything, meshes in packets of their own, and CONTROL.apply.
+  void configure(const Parameters& parameters, const StereoRectification& rectification) {
+    const auto writes = sim::configuration(system_.build(), parameters, rectification);
+    if (!writes) throw std::runtime_error(writes.error().message);
+    constexpr std::size_t kMostNodes = 255;
+    Words mesh;
+    const auto send_mesh = [&] {
+      if (mesh.empty()) return;
+      EXPECT_EQ(request(PacketType::kWriteMesh, mesh).header.type, PacketType::kWritten);
+      mesh.clear();
+    };
+    for (const sim::RegisterWrite& w : *writes) {
+      if (w.address == spec::kRegMeshAddress) {
+        send_mesh();
+        mesh = {w.value};
+      } else if (w.address == spec::kRegMeshData) {
+        mesh.push_back(w.value);
+        ASSERT_LE(mesh.size(), kMostNodes);
+      } else {
+        send_mesh();
+        write(w.address, w.value);
+      }
+    }
+  }
+
+  std::vector<Received> packets;  // all, in order
+  std::vector<Received> answers;  // that have not been taken
+  std::vector<Assembled> frames;
+  int heartbeats = 0;
+
+ private:
+  static sim::SystemModel opened(std::uint32_t seed) {
+    auto system = sim::SystemModel::open(system_model_path(), seed);
+    if (!system) throw std::runtime_error(system.error().message);
+    return std::move(*system);
+  }
+  void receive() {
+    std::uint8_t bytes[4096];
+    while (const std::size_t size = system_.to_host(bytes, sizeof(bytes))) {
+      decoder_.push(bytes, size);
+      while (const auto packet = decoder_.next()) sort(*packet);
+    }
+  }
+  void sort(const link::Packet& packet) {
+    Received received{packet.header, {}};
+    for (int i = 0; i < packet.header.length; i += 4) {
+      received.payload.push_back(link::get_u32(packet.payload + i));
+    }
+    packets.push_back(received);
+    switch (packet.header.type) {
+      case PacketType::kRegisters:
+      case PacketType::kWritten:
+      case PacketType::kRefused:
+        answers.push_back(received);
+        break;
+      case PacketType::kHeartbeat:
+        ++heartbeats;
+        break;
+      default:
+        assembler_.add(packet, frames);
+    }
+  }
+
+  sim::SystemModel system_;
+  link::Decoder decoder_;
+  link::FrameAssembler assembler_;
+  std::uint32_t sequence_ = kLinkFirstSequence;
+  std::uint16_t id_ = 0xFFF0;
+};
+
+/// The parameters of that model.
+inline Parameters system_parameters() {
+  Parameters p;
+  p.disparity_range = 16;
+  p.census_window_size = 11;
+  p.census_pattern = CensusPattern::kSparse;
+  p.correlation_window_size = 15;
+  p.speckle_size = 30;
+  return p;
+}
+
+/// The bit of STREAMS for each.
+inline std::uint32_t stream_bit(Stream stream) { return 1U << static_cast<unsigned>(stream); }
+constexpr std::uint32_t kAllStreams = 0x3E;
+
+/// What a board must send for a pair.
+inline cv::Mat expected_image(Stream stream, const sim::RawPair& pair, const Taps& taps) {
+  switch (stream) {
+    case Stream::kDisparity:
+      return taps.disparity;
+    case Stream::kRectifiedLeft:
+      return taps.left;
+    case Stream::kRectifiedRight:
+      return taps.right;
+    case Stream::kRawLeft:
+      return pair.left;
+    default:
+      return pair.right;
+  }
+}
+
+}  // namespace fpga_stereo::test
