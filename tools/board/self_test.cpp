@@ -16,7 +16,7 @@ namespace {
 namespace po = boost::program_options;
 
 constexpr double kSlowestLine = 100e3;  // bytes/s that a pair and its results are waited for
-constexpr int kTries = 5;               // of a pair, on a line that loses some
+constexpr double kMoreTime = 15;        // s: to send it again on a line that loses some
 constexpr double kConfigureTime = 30;   // s
 
 /// What is sent, under which settings, and what comes back.
@@ -108,28 +108,30 @@ class SelfTest {
   /// The pair to the board, until all that it makes of it is here.
   link::FrameSet send(const Case& test) {
     const double time = std::max(1.0, static_cast<double>(test.left.total()) * 6 / kSlowestLine);
-    for (int i = 0; i < kTries; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto spent = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    for (; spent() < time + kMoreTime; ++lost_) {
       const std::uint64_t id = ++frame_;
       const bool sent = board_.wait_until(board_.patience(), [&](const Connection::Snapshot&) {
         return board_.device().send_pair(test.left, test.right, id, id);
       });
-      if (!sent)
+      if (!sent) {
         throw std::runtime_error("the board takes no pair: " + board_.snapshot().complaint);
+      }
       std::optional<link::FrameSet> found;
       board_.wait_until(time, [&](const Connection::Snapshot&) {
         for (auto& arrived : board_.take(std::chrono::milliseconds(20))) {
           const auto& frames = arrived.frames;
-          if (frames.tag == tag_ && frames.set.frame_id == id && whole(frames.set)) {
-            found = frames.set;
-          }
+          if (frames.tag == tag_ && frames.set.frame_id == id) found = frames.set;
         }
         return found.has_value();
       });
-      if (found) return *found;
-      ++lost_;
+      if (found && whole(*found)) return *found;
     }
-    throw std::runtime_error(concat("of ", kTries, " pairs that were sent no result came whole: ",
-                                    "what does board measure say?"));
+    throw std::runtime_error(concat("no result of a pair came whole within ", time + kMoreTime,
+                                    " s: what does board measure say?"));
   }
 
   bool whole(const link::FrameSet& set) const {
