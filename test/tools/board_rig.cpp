@@ -1,5 +1,6 @@
 #include "board_rig.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -32,33 +33,18 @@ BoardTest::Strings BoardTest::with(Strings some, const Strings& more) {
 }
 
 void BoardTest::start(const Strings& options) {
-  std::string command = "exec";
-  for (const std::string& word : with({FPGA_STEREO_VIRTUAL_BOARD,
-                                       "--pty",
-                                       at("tty"),
-                                       "--folder",
-                                       at("images"),
-                                       "--rate",
-                                       "40",
-                                       "--keep",
-                                       "3",
-                                       "--threads",
-                                       "1",
-                                       "--max-width",
-                                       "64",
-                                       "--disparities",
-                                       "16",
-                                       "--census",
-                                       "5",
-                                       "--correlation",
-                                       "5",
-                                       "--line-rows",
-                                       "20",
-                                       "--mesh-nodes",
-                                       "600"},
-                                      options)) {
-    command += " " + shell_quoted(word);
+  Strings words{FPGA_STEREO_VIRTUAL_BOARD, "--pty", at("tty"), "--folder", at("images")};
+  const std::vector<std::pair<std::string, std::string>> defaults{
+      {"--rate", "40"},       {"--keep", "3"},         {"--threads", "1"},
+      {"--max-width", "64"},  {"--disparities", "16"}, {"--census", "5"},
+      {"--correlation", "5"}, {"--line-rows", "20"},   {"--mesh-nodes", "600"}};
+  for (const auto& [name, value] : defaults) {
+    const bool given = std::find(options.begin(), options.end(), name) != options.end();
+    if (!given) words.insert(words.end(), {name, value});
   }
+  std::string command = "exec";
+  for (const std::string& word : with(words, options)) command += " " + shell_quoted(word);
+  fs::remove(at("board_out"));
   command += " >" + shell_quoted(at("board_out")) + " 2>" + shell_quoted(at("board_err"));
   child_ = std::make_unique<Child>(Strings{"sh", "-c", command}, Strings{}, "sh is missing");
   const std::string ready = "ready " + at("tty") + "\n";
