@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <set>
 
 #include "programs.hpp"
 #include "support/child.hpp"
@@ -36,9 +35,9 @@ class BoardTest : public ProgramTest {
 
   /// The disparity that match writes for camera pair `i`: the bytes of its PNG.
   const std::string& matched(int i);
-  /// Files of a capture, by name. Each that belongs to a known frame must be what match wrote for
-  /// its pair; returns how many were compared.
-  int expect_matched(const std::string& folder);
+  /// Every disparity of a capture must be what match wrote for its pair: by its number, or, where
+  /// the board was reset and counts anew, for any pair. How many were compared.
+  int expect_matched(const std::string& folder, bool any_pair = false);
 
   std::string device() const { return "serial:" + at("tty"); }
   static Strings with(Strings some, const Strings& more);
