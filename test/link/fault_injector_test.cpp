@@ -96,6 +96,7 @@ TEST(FaultInjector, EachFaultOfAPacketDoesWhatItSays) {
   using Numbers = std::vector<std::uint32_t>;
   const Numbers in = sequences(packets(10, 6000));
   const std::size_t packet = packets(1, 6000).size();
+  int swaps = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Bytes lost = one(LineFault::kLose, seed);
     EXPECT_EQ(lost.size(), 9 * packet);
@@ -113,6 +114,7 @@ TEST(FaultInjector, EachFaultOfAPacketDoesWhatItSays) {
     const auto later = std::adjacent_find(swapped.begin(), swapped.end(), std::greater<>());
     if (later != swapped.end()) {  // not the last one, which has nothing to wait for
       std::iter_swap(later, later + 1);
+      ++swaps;
     }
     EXPECT_EQ(swapped, in);
 
@@ -126,6 +128,16 @@ TEST(FaultInjector, EachFaultOfAPacketDoesWhatItSays) {
     EXPECT_LE(garbage.size(), 10 * packet + 600);
     EXPECT_EQ(sequences(garbage), in);
   }
+  EXPECT_GT(swaps, 15);
+}
+
+TEST(FaultInjector, WhatIsNoPacketPassesWhilePacketsAreLookedFor) {
+  Bytes in(100, 0xD5);
+  const Bytes stream = packets(3, 700);
+  in.insert(in.end(), stream.begin(), stream.end() - 5);
+  in.insert(in.end(), stream.begin(), stream.end());
+  FaultInjector injector(all_rates(1e-9), 1);
+  EXPECT_EQ(through(injector, in), in);
 }
 
 TEST(FaultInjector, HowTheBytesWereSplitDoesNotMatter) {
