@@ -114,15 +114,12 @@ TEST_F(VirtualBoard, WrongUsage) {
   };
   const std::string tty = at("tty");
   refused({}, 2, {"one of --pty and --usb"});
-  refused({"--usb"}, 2, {"-- COMMAND"});
   refused({"--pty", tty, "--", "ls"}, 2, {"for --usb only"});
   refused({"--pty", tty, "--engine", "steam"}, 2, {"\"steam\"", "software"});
   refused({"--pty", tty, "--census", "4"}, 2, {"--census", "census_window_size = \"4\""});
-  refused({"--pty", tty, "--max-width", "1281"}, 2, {"--max-width = 1281", "16 to 1280"});
   refused({"--pty", tty, "--wrong", "NAME=1"}, 2, {"no register \"NAME\""});
   refused({"--pty", tty, "--rate", "5"}, 2, {"--rate is given without"});
   refused({"--pty", tty, "--unplug", "5"}, 2, {"unplug"});
-  refused({"--pty", tty, "--flip", "-1"}, 2, {"--flip = -1"});
   refused({"--pty", tty, "--script", write_text("script", "at 1 explode\n")}, 2,
           {"at 1 explode", "\"explode\" is no event", "unplug"});
   refused({"--pty", write_text("file", "")}, 1, {at("file"), "no symbolic link"});

@@ -109,21 +109,31 @@ std::vector<Connection::Arrived> Connection::take(milliseconds timeout) {
   return std::exchange(arrived_, {});
 }
 
+std::vector<RegisterWrite> Connection::ask(const link::Request& request) {
+  const auto deadline = Clock::now() + std::chrono::duration<double>(patience_.seconds);
+  while (true) {
+    auto answer = device_->ask(request);
+    if (answer) return *answer;
+    if (Clock::now() >= deadline) fail(answer.error().message);
+    identify();
+  }
+}
+
 std::vector<std::uint32_t> Connection::read(const std::vector<std::uint32_t>& addresses) {
   std::vector<std::uint32_t> values;
   for (std::size_t at = 0; at < addresses.size(); at += link::kMaxReads) {
     const auto begin = addresses.begin() + static_cast<std::ptrdiff_t>(at);
     const auto end =
         begin + static_cast<std::ptrdiff_t>(std::min(link::kMaxReads, addresses.size() - at));
-    const auto answer = device_->ask(link::read_request({begin, end}));
-    require(answer);
-    for (const RegisterWrite& value : *answer) values.push_back(value.value);
+    for (const RegisterWrite& value : ask(link::read_request({begin, end}))) {
+      values.push_back(value.value);
+    }
   }
   return values;
 }
 
 void Connection::write(const std::vector<RegisterWrite>& writes) {
-  require(device_->ask(link::write_request(writes)));
+  ask(link::write_request(writes));
 }
 
 }  // namespace fpga_stereo::tools

@@ -47,7 +47,7 @@ class Connection {
   bool wait_until(double seconds, const std::function<bool(const Snapshot&)>& done);
   /// What has come since the last call; waits for some.
   std::vector<Arrived> take(std::chrono::milliseconds timeout);
-  /// Values of registers, in this order. Throws.
+  /// Values of registers, in this order. What the line loses is asked for again; throws.
   std::vector<std::uint32_t> read(const std::vector<std::uint32_t>& addresses);
   void write(const std::vector<RegisterWrite>& writes);
 
@@ -56,6 +56,7 @@ class Connection {
   double patience() const { return patience_.seconds; }
 
  private:
+  std::vector<RegisterWrite> ask(const link::Request& request);
   [[noreturn]] void fail(const std::string& why) const;
 
   const std::string name_;

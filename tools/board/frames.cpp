@@ -70,6 +70,7 @@ class RecordedFrames : public FrameSource {
     read_packets(sets);
     if (ended_) end(sets);
     std::vector<ArrivedFrames> frames;
+    frames.reserve(sets.size());
     for (link::FrameSet& set : sets) frames.push_back({std::move(set), std::nullopt, 0});
     return frames;
   }

@@ -13,7 +13,6 @@
 namespace fpga_stereo::tools {
 namespace {
 
-namespace po = boost::program_options;
 using link::Recorder;
 using link::Transport;
 

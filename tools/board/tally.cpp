@@ -1,6 +1,7 @@
 #include "board/tally.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <sstream>
 
@@ -90,7 +91,7 @@ std::string Tally::text(const FrameSource& source) const {
     std::sort(sorted.begin(), sorted.end());
     const auto at = [&](double part) {
       const double index = part * static_cast<double>(sorted.size() - 1);
-      return rounded(sorted[static_cast<std::size_t>(index + 0.5)], 2);
+      return rounded(sorted[static_cast<std::size_t>(std::lround(index))], 2);
     };
     table.line("latency", "median ", at(0.5), " ms, 95 % ", at(0.95), " ms, 99 % ", at(0.99),
                " ms, largest ", at(1), " ms, from mid-exposure to the last byte here");
