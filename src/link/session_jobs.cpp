@@ -155,6 +155,10 @@ void Session::set_streams() {
 
 void Session::settle() {
   if (state_ == State::kIdentifying || state_ == State::kRefused || !jobs_.empty()) return;
+  if (configuration_stale_ && wanted_.as_it_is) {
+    configuration_stale_ = false;
+    tags_[0] = wanted_.tag;
+  }
   if (configuration_stale_) {
     // Not before there is one that was made for this board.
     if (wanted_.configuration && wanted_.configuration->build == identity_->build) configure();

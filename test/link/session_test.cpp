@@ -159,6 +159,27 @@ TEST(Session, NothingComesThatNobodyWants) {
   EXPECT_FALSE(rig.received[0].set.image(Stream::kRawLeft).empty());
 }
 
+TEST(Session, ABoardIsTakenAsItIs) {
+  Streaming rig;
+  rig.want(3, 0);
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kReady; }));
+  const std::uint32_t configuration = rig.board.peek(spec::kRegConfiguration);
+  // Another session: it knows nothing of that configuration, and leaves it alone.
+  rig.session = link::Session();
+  link::Wanted wanted;
+  wanted.as_it_is = true;
+  wanted.tag = 3;  // the setting that the frames are compared with
+  wanted.streams = kDisparity;
+  rig.session.want(wanted);
+  rig.session.opened(rig.now);
+  ASSERT_TRUE(rig.run_until([&] { return rig.good() > 5; }));
+  rig.expect_true_frames();
+  EXPECT_TRUE(rig.streaming());
+  EXPECT_EQ(rig.received[0].set.configuration, configuration);
+  EXPECT_EQ(rig.board.peek(spec::kRegConfiguration), configuration);
+  EXPECT_EQ(rig.session.counters().configured, 0U);
+}
+
 TEST(Session, RawImagesOfEveryNthPair) {
   Streaming rig;
   link::Wanted wanted = rig.wanted(SessionRig::setting(1), 1, kAll);

@@ -111,8 +111,8 @@ class SystemRig {
   }
   /// Everything, meshes in packets of their own, and CONTROL.apply.
   void configure(const Parameters& parameters, const StereoRectification& rectification) {
-    const auto writes = sim::configuration(system_.build(), parameters, rectification);
-    if (!writes) throw std::runtime_error(writes.error().message);
+    const auto made = configuration(system_.build(), parameters, rectification);
+    if (!made) throw std::runtime_error(made.error().message);
     constexpr std::size_t kMostNodes = 255;
     Words mesh;
     const auto send_mesh = [&] {
@@ -120,7 +120,7 @@ class SystemRig {
       EXPECT_EQ(request(PacketType::kWriteMesh, mesh).header.type, PacketType::kWritten);
       mesh.clear();
     };
-    for (const sim::RegisterWrite& w : *writes) {
+    for (const RegisterWrite& w : made->writes()) {
       if (w.address == spec::kRegMeshAddress) {
         send_mesh();
         mesh = {w.value};

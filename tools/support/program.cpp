@@ -59,7 +59,7 @@ std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments)
   if (parsed.positional.size() < line.positional.size()) {
     throw UsageError(concat(line.positional[parsed.positional.size()], " is missing"));
   }
-  if (parsed.positional.size() > line.positional.size()) {
+  if (line.rest.empty() && parsed.positional.size() > line.positional.size()) {
     throw UsageError(concat("argument \"", parsed.positional[line.positional.size()],
                             "\" is one too many: allowed ", line.positional.size()));
   }

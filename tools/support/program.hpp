@@ -48,6 +48,7 @@ int run_program(const std::string& name, int argc, char** argv,
 struct CommandLine {
   std::string usage;                    // first lines of --help
   std::vector<std::string> positional;  // names of the arguments without a name, all required
+  std::string rest;                     // name of any number of further ones; empty: none
   boost::program_options::options_description options{"Options"};
   std::string notes;  // last lines of --help
 };

@@ -30,6 +30,8 @@ namespace fpga_stereo::link {
 struct Wanted {
   /// For the build of the board that was identified. Without one that is, no frame comes.
   std::optional<GatewareConfiguration> configuration;
+  /// Instead: none is written, and frames of whatever configuration the board has are taken.
+  bool as_it_is = false;
   /// Comes back with every frame that this configuration made.
   std::uint64_t tag = 0;
   unsigned streams = 0;                       // bit s: stream s is sent

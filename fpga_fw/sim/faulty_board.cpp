@@ -1,0 +1,148 @@
+#include "sim/faulty_board.hpp"
+
+#include <algorithm>
+
+namespace fpga_stereo::sim {
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr microseconds kSilence{20000};  // and what waits for the end of a packet goes on
+constexpr microseconds kResetTime{1000000};
+constexpr std::size_t kMostIn = 65536;  // bytes that the board has not taken
+constexpr double kBurst = 0.02;         // s of allowance that can be saved up
+constexpr std::size_t kDiscard = 65536;
+
+}  // namespace
+
+FaultyBoard::FaultyBoard(std::unique_ptr<Board> board, const Options& options)
+    : board_(std::move(board)),
+      options_(options),
+      to_host_(options.to_host, 2 * options.seed),
+      from_host_(options.from_host, 2 * options.seed + 1) {}
+
+void FaultyBoard::reset() {
+  const std::lock_guard lock(mutex_);
+  reset_board();
+}
+
+void FaultyBoard::reset_board() {
+  board_->reset();
+  reset_in_ = microseconds{0};
+  ++counts_.resets;
+}
+
+std::size_t FaultyBoard::from_host(const std::uint8_t* bytes, std::size_t size) {
+  const std::lock_guard lock(mutex_);
+  if (stalled() || in_.size() > kMostIn) return 0;
+  silence_in_ = microseconds{0};
+  from_host_.push(bytes, size, in_);
+  counts_.from_host += size;
+  deliver();
+  return size;
+}
+
+void FaultyBoard::deliver() {
+  if (in_.empty()) return;
+  const std::size_t taken = board_->from_host(in_.data(), in_.size());
+  in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(taken));
+}
+
+std::size_t FaultyBoard::to_host(std::uint8_t* bytes, std::size_t size) {
+  const std::lock_guard lock(mutex_);
+  if (stalled()) return 0;
+  if (options_.bytes_per_s > 0) size = std::min(size, static_cast<std::size_t>(allowance_));
+  while (out_.size() - out_at_ < size) {
+    if (fetch(size - (out_.size() - out_at_)) == 0) break;
+  }
+  const std::size_t part = std::min(size, out_.size() - out_at_);
+  std::copy_n(out_.data() + out_at_, part, bytes);
+  out_at_ += part;
+  if (out_at_ == out_.size()) {
+    out_.clear();
+    out_at_ = 0;
+  }
+  allowance_ -= static_cast<double>(part);
+  counts_.to_host += part;
+  return part;
+}
+
+/// From the board, through the faults: how many bytes it gave.
+std::size_t FaultyBoard::fetch(std::size_t size) {
+  std::vector<std::uint8_t> bytes(size);
+  std::size_t came = board_->to_host(bytes.data(), bytes.size());
+  if (came == 0) return 0;
+  silence_out_ = microseconds{0};
+  if (reset_in_.count() > 0) {
+    came = (came + 1) / 2;
+    reset_board();
+  }
+  to_host_.push(bytes.data(), came, out_);
+  return came;
+}
+
+void FaultyBoard::feed(const RawPair& pair) {
+  const std::lock_guard lock(mutex_);
+  ++counts_.pairs;
+  board_->feed(pair);
+}
+
+void FaultyBoard::run(microseconds time) {
+  const std::lock_guard lock(mutex_);
+  board_->run(time);
+  stalled_ = std::max(stalled_ - time, microseconds{0});
+  if (options_.bytes_per_s > 0) {
+    const double seconds = std::chrono::duration<double>(time).count();
+    allowance_ = std::min(allowance_ + options_.bytes_per_s * seconds,
+                          std::max(options_.bytes_per_s * kBurst, 1.0));
+  }
+  silence_out_ += time;
+  silence_in_ += time;
+  if (silence_out_ >= kSilence) to_host_.flush(out_);
+  if (silence_in_ >= kSilence) from_host_.flush(in_);
+  if (!stalled()) deliver();
+  if (reset_in_.count() > 0 && (reset_in_ -= time).count() <= 0) reset_board();
+}
+
+void FaultyBoard::add(bool to_host, LineFault fault, int count) {
+  const std::lock_guard lock(mutex_);
+  (to_host ? to_host_ : from_host_).add(fault, count);
+}
+
+void FaultyBoard::stall(microseconds time) {
+  const std::lock_guard lock(mutex_);
+  stalled_ = time;
+  ++counts_.stalls;
+}
+
+void FaultyBoard::reset_soon() {
+  const std::lock_guard lock(mutex_);
+  reset_in_ = kResetTime;
+}
+
+void FaultyBoard::discard() {
+  const std::lock_guard lock(mutex_);
+  counts_.lost += out_.size() - out_at_;
+  out_.clear();
+  out_at_ = 0;
+  to_host_.clear();
+  std::vector<std::uint8_t> bytes(kDiscard);
+  while (const std::size_t came = board_->to_host(bytes.data(), bytes.size())) counts_.lost += came;
+}
+
+void FaultyBoard::cut() {
+  discard();
+  const std::lock_guard lock(mutex_);
+  in_.clear();
+  from_host_.clear();
+}
+
+FaultyBoard::Counts FaultyBoard::counts() const {
+  const std::lock_guard lock(mutex_);
+  Counts counts = counts_;
+  counts.faults_to_host = to_host_.counts();
+  counts.faults_from_host = from_host_.counts();
+  return counts;
+}
+
+}  // namespace fpga_stereo::sim

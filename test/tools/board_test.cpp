@@ -1,0 +1,177 @@
+// board and a virtual board, as users run them.
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <regex>
+
+#include "board_rig.hpp"
+#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/spec.hpp"
+#include "fpga_stereo/ros/conversions.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has_line(const std::string& text, const std::string& pattern) {
+  return std::regex_search(text, std::regex("(^|\n)" + pattern + "\n"));
+}
+
+TEST_F(BoardTest, ProbeGetAndSet) {
+  start();
+  const Outcome probed = board("probe");
+  ASSERT_EQ(probed.code, 0) << probed.err;
+  for (const std::string line :
+       {"line +.*/tty at 3000000 baud", "gateware +0\\.1, specification 0x[0-9A-F]{8}",
+        "max_width +64 px", "disparities +16", "census +sparse 5 px", "correlation +5 px",
+        "line buffer +20 rows", "mesh +600 nodes", "clock +100 MHz",
+        "streams +disparity, left, right, raw_left, raw_right; takes pairs from the host",
+        "configured +not yet.*", "round trip +[0-9.]+ ms at best.*"}) {
+    EXPECT_TRUE(has_line(probed.out, line)) << line << " in:\n" << probed.out;
+  }
+
+  const Outcome set =
+      board("set", {"HEIGHT=0x30", "FLAGS.subpixel=0", "ERRORS=1", "CONTROL.clear=1"});
+  EXPECT_EQ(set.code, 0) << set.err;
+  EXPECT_TRUE(has_line(set.out, "written and read back: HEIGHT = 0x00000030.*")) << set.out;
+  EXPECT_TRUE(has_line(set.out, "CONTROL: 0x00000002 was written; it cannot be read back"));
+  const Outcome got = board("get", {"HEIGHT", "FLAGS", "BUILD_LINE_ROWS"});
+  EXPECT_EQ(got.code, 0) << got.err;
+  EXPECT_TRUE(has_line(got.out, "  HEIGHT.rows = 48 .*")) << got.out;
+  EXPECT_TRUE(has_line(got.out, "FLAGS = 0x00000003 .*")) << got.out;
+  EXPECT_TRUE(has_line(got.out, "  FLAGS.subpixel = 0 .*\\(subpixel\\)")) << got.out;
+  EXPECT_TRUE(has_line(got.out, "BUILD_LINE_ROWS = 0x00000014 \\(20\\) .*")) << got.out;
+  const Outcome all = board("get", {"--all"});
+  for (const spec::Register& reg : spec::register_table()) {
+    const bool shown = all.out.find(std::string(reg.name) + " = ") != std::string::npos;
+    EXPECT_EQ(shown, reg.access != spec::Access::kWriteOnly) << reg.name;
+  }
+}
+
+TEST_F(BoardTest, WhatIsCapturedIsWhatMatchWrites) {
+  start();
+  expect_refused("board", board("capture", {"1", "--out", at("none")}), 1,
+                 {"has not been configured", "board upload"});
+  const Outcome uploaded = board("upload", settings());
+  ASSERT_EQ(uploaded.code, 0) << uploaded.err;
+  EXPECT_TRUE(has_line(uploaded.out,
+                       "configuration 1 was written and read back: 64x48, line buffer [0-9]+ of "
+                       "20 rows, mesh 63 of 600 nodes"))
+      << uploaded.out;
+  EXPECT_TRUE(has_line(uploaded.out, "  speckle_size = 20"));
+
+  const Outcome run = board("capture", {"5", "--out", at("captured"), "--streams",
+                                        "disparity,left,right,raw_left,raw_right"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(has_line(run.out, "disparity +5 frames, .* f/s")) << run.out;
+  EXPECT_EQ(expect_matched("captured"), 5);
+
+  // Each file of each stream, against the pipeline.
+  const auto rectification =
+      make_stereo_rectification(to_calibration(distorted_cameras(kSize).left),
+                                to_calibration(distorted_cameras(kSize).right), 1);
+  ASSERT_TRUE(rectification);
+  Pipeline pipeline;
+  Parameters parameters;
+  for (const auto& entry : fs::directory_iterator(at("captured/left"))) {
+    const std::string name = entry.path().filename().string();
+    const auto read = [&](const std::string& stream) {
+      return cv::imread(at("captured/" + stream + "/" + name), cv::IMREAD_UNCHANGED);
+    };
+    const cv::Mat raw = read("raw_left");
+    std::size_t i = 0;
+    while (i < pairs_.size() && !equal(raw, pairs_[i].left)) ++i;
+    ASSERT_LT(i, pairs_.size()) << name;
+    EXPECT_TRUE(equal(read("raw_right"), pairs_[i].right));
+    const Taps& taps =
+        pipeline.process(pairs_[i].left, pairs_[i].right, *rectification, parameters, 1);
+    EXPECT_TRUE(equal(read("left"), taps.left));
+    EXPECT_TRUE(equal(read("right"), taps.right));
+  }
+  const std::string table = bytes(at("captured/frames.csv"));
+  EXPECT_EQ(table.find("frame_id,configuration,board_us,stamp,dropped\n"), 0U);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 6);
+  EXPECT_TRUE(has_line(table, "[0-9]+,1,[0-9]+,[0-9]+\\.[0-9]{6},\"\"")) << table;
+}
+
+TEST_F(BoardTest, WhatWasRecordedIsCapturedAgain) {
+  start();
+  upload();
+  const Outcome recorded = board("record", {at("line.rec"), "0.4", "--streams", "disparity,left"});
+  ASSERT_EQ(recorded.code, 0) << recorded.err;
+  EXPECT_TRUE(has_line(recorded.out, "watchdog +purge 0, restart 0, reopen 0, reset 0, opened 1.*"))
+      << recorded.out;
+  EXPECT_TRUE(has_line(recorded.out, "latency +median .*")) << recorded.out;
+  EXPECT_EQ(stop(), 0);
+
+  const std::string replay = "replay:" + at("line.rec") + ":0";
+  const Outcome measured = board_alone({"measure", replay, "--streams", "disparity,left"});
+  ASSERT_EQ(measured.code, 0) << measured.err;
+  std::smatch frames;
+  ASSERT_TRUE(std::regex_search(recorded.out, frames, std::regex("disparity +([0-9]+) frames")));
+  EXPECT_GT(std::stoi(frames[1]), 3);
+  EXPECT_TRUE(has_line(measured.out,
+                       "packets +[0-9]+ good, 0 lost, 0 wrong headers, 0 wrong "
+                       "payloads, 0 bytes of none"))
+      << measured.out;
+  for (const std::string folder : {"first", "second"}) {
+    const Outcome run =
+        board_alone({"capture", replay, "4", "--out", at(folder), "--streams", "disparity,left"});
+    ASSERT_EQ(run.code, 0) << run.err;
+  }
+  EXPECT_EQ(expect_matched("first"), 4);
+  EXPECT_EQ(expect_matched("second"), 4);
+  EXPECT_EQ(bytes(at("first/frames.csv")), bytes(at("second/frames.csv")));
+  expect_refused("board", board_alone({"record", replay, at("x")}), 2, {"is a recording already"});
+  const Outcome more = board_alone({"capture", replay, "9999", "--out", at("more")});
+  EXPECT_EQ(more.code, 1);
+  EXPECT_NE(more.err.find("of 9999 sets of frames: the recording has ended"), std::string::npos)
+      << more.err;
+}
+
+TEST_F(BoardTest, SelfTest) {
+  start();
+  const Outcome run = board("selftest", {"--pairs", "2"});
+  ASSERT_EQ(run.code, 0) << run.err << run.out;
+  EXPECT_TRUE(has_line(run.out, "seed 2, 64x48, rectified: 9216 pixels compared, 0 differ"));
+  EXPECT_TRUE(has_line(run.out, "all: 36864 pixels compared, 0 differ; 0 pairs were lost.*"))
+      << run.out;
+}
+
+TEST_F(BoardTest, WhatABoardCannotDo) {
+  start({"--streams", "14", "--line-rows", "4"});
+  expect_refused("board", board("upload", settings()), 1,
+                 {"this board cannot do that", "line buffer", "the buffer has 4"});
+  expect_refused("board", board("upload", {"--size", "96x48"}), 1, {"width", "96", "64"});
+  expect_refused("board", board("upload", {"--size", "64x48", "--disparity_range", "32"}), 1,
+                 {"disparity_range = 32", "16"});
+  expect_refused("board", board("selftest"), 1, {"takes no pairs from the host"});
+  EXPECT_EQ(board("upload", {"--size", "64x48"}).code, 0);
+  expect_refused("board", board("measure", {"1", "--streams", "raw_left"}), 1,
+                 {"not built with stream raw_left"});
+}
+
+TEST_F(BoardTest, BoardsThatThisSoftwareDoesNotWorkWith) {
+  const std::vector<std::pair<Strings, Strings>> cases{
+      {{"--wrong-hash"}, {"is of specification", "flash the gateware"}},
+      {{"--wrong-identity"}, {"no board of this kind", "IDENTITY = 0x12345678"}},
+      {{"--wrong-version"}, {"gateware has version 1.0", "flash the gateware"}},
+      {{"--packet-version", "2"}, {"speaks version 2 of the packets"}},
+  };
+  for (const auto& [options, message] : cases) {
+    start(options);
+    expect_refused("board", board("probe"), 1, message);
+    EXPECT_EQ(stop(), 0);
+  }
+  start({"--wrong", "SPECKLE_SIZE=7"});
+  const Outcome held = board("upload", {"--size", "64x48"});
+  EXPECT_EQ(held.code, 1);
+  EXPECT_NE(held.err.find("SPECKLE_SIZE"), std::string::npos) << held.err;
+  EXPECT_NE(board("set", {"SPECKLE_SIZE=9"})
+                .err.find("register SPECKLE_SIZE holds 0x00000007 after 0x00000009 was written"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,48 @@
+#include "board/build.hpp"
+
+#include <cstdio>
+
+#include "fpga_stereo/core/spec.hpp"
+
+namespace fpga_stereo::tools {
+
+Parameters parameters_of(const GatewareBuild& build) {
+  Parameters parameters;
+  parameters.disparity_range = build.disparities;
+  parameters.census_window_size = build.census_window;
+  parameters.census_pattern = build.census_pattern;
+  parameters.correlation_window_size = build.correlation_window;
+  return parameters;
+}
+
+cv::Size parse_size(const std::string& text) {
+  int width = 0, height = 0;
+  char end = 0;
+  const bool read = std::sscanf(text.c_str(), "%4dx%4d%c", &width, &height, &end) == 2;
+  if (read && width >= kGatewareMinWidth && width <= kGatewareMaxWidth && height >= 1 &&
+      height <= kGatewareMaxHeight) {
+    return {width, height};
+  }
+  throw UsageError(concat("--size = \"", text, "\": allowed WIDTHxHEIGHT, ", kGatewareMinWidth,
+                          "x1 to ", kGatewareMaxWidth, "x", kGatewareMaxHeight));
+}
+
+void configure(Connection& board, const GatewareConfiguration& configuration, std::uint64_t tag,
+               unsigned streams, bool host_input, double seconds) {
+  const std::uint64_t before = board.snapshot().session.configured;
+  link::Wanted wanted;
+  wanted.configuration = configuration;
+  wanted.tag = tag;
+  wanted.streams = streams;
+  wanted.host_input = host_input;
+  board.want(wanted);
+  const auto state = streams == 0 ? link::Session::State::kReady : link::Session::State::kStreaming;
+  const bool done = board.wait_until(seconds, [&](const Connection::Snapshot& now) {
+    return now.state == state && now.session.configured > before;
+  });
+  if (done) return;
+  throw std::runtime_error(concat("the board does not take its configuration within ", seconds,
+                                  " s: ", board.snapshot().complaint));
+}
+
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,139 @@
+#include "board/connection.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <thread>
+
+#include "fpga_stereo/link/request.hpp"
+#include "fpga_stereo/link/transport.hpp"
+#include "support/interrupt.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace po = boost::program_options;
+using link::Transport;
+using Clock = std::chrono::steady_clock;
+using State = link::Session::State;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLook{5};
+constexpr std::size_t kMostArrived = 256;  // sets that nobody has taken: more are left out
+
+double system_time() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+void add_patience(po::options_description& options) {
+  options.add_options()("wait", po::value<double>()->value_name("S")->default_value(3),
+                        "seconds for a board that does not answer [0.1 to 3600]");
+  options.add_options()("verbose", po::bool_switch(), "say on stderr what happens on the line");
+}
+
+Patience patience(const po::variables_map& options) {
+  const Patience given{options["wait"].as<double>(), options["verbose"].as<bool>()};
+  require_range("--wait", given.seconds, 0.1, 3600);
+  return given;
+}
+
+std::unique_ptr<Transport> open_line(const std::string& device) {
+  auto opened = link::open_transport(device);
+  if (!opened && opened.error().kind == ErrorKind::kInvalid) {
+    throw UsageError(opened.error().message);
+  }
+  require(opened);
+  return std::move(*opened);
+}
+
+Connection::Connection(const std::string& device, const Patience& patience, const Wrap& wrap)
+    : name_(device), patience_(patience) {
+  // What is wrong with the line is said at once; later it may come and go.
+  auto first = std::make_shared<std::unique_ptr<Transport>>(open_line(device));
+  link::Device::Options options;
+  options.retry = milliseconds(100);
+  options.open = [device, first, wrap]() -> Result<std::unique_ptr<Transport>> {
+    auto opened = *first != nullptr ? Result<std::unique_ptr<Transport>>(std::move(*first))
+                                    : link::open_transport(device);
+    *first = nullptr;
+    if (opened && wrap) return wrap(std::move(*opened));
+    return opened;
+  };
+  link::Device::Callbacks callbacks;
+  callbacks.received = [this](std::vector<link::Session::Received> received) {
+    const double now = system_time();
+    const std::lock_guard lock(mutex_);
+    for (auto& frames : received) {
+      if (arrived_.size() < kMostArrived) arrived_.push_back({std::move(frames), now});
+    }
+    came_.notify_all();
+  };
+  callbacks.identified = [](const link::Identity&) {};
+  callbacks.note = [verbose = patience.verbose](const std::string& note) {
+    if (verbose) std::cerr << "board: " + note + "\n";
+  };
+  device_ = std::make_unique<link::Device>(std::move(options), std::move(callbacks));
+}
+
+void Connection::fail(const std::string& why) const { throw std::runtime_error(why); }
+
+bool Connection::wait_until(double seconds, const std::function<bool(const Snapshot&)>& done) {
+  const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
+  while (true) {
+    const Snapshot now = snapshot();
+    if (now.state == State::kRefused) fail(now.complaint);
+    if (done(now)) return true;
+    if (interrupted()) fail("interrupted");
+    if (Clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+link::Identity Connection::identify() {
+  std::optional<link::Identity> identity;
+  const bool known = wait_until(patience_.seconds, [&](const Snapshot& now) {
+    identity = now.identity;
+    return identity && now.state != State::kIdentifying && now.state != State::kClosed;
+  });
+  if (!known) {
+    fail(concat(name_, ": no board answers within ", patience_.seconds, " s (",
+                snapshot().complaint, "): is it powered, and has it been flashed?"));
+  }
+  return *identity;
+}
+
+std::vector<Connection::Arrived> Connection::take(milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  came_.wait_for(lock, timeout, [this] { return !arrived_.empty(); });
+  return std::exchange(arrived_, {});
+}
+
+std::vector<RegisterWrite> Connection::ask(const link::Request& request) {
+  const auto deadline = Clock::now() + std::chrono::duration<double>(patience_.seconds);
+  while (true) {
+    auto answer = device_->ask(request);
+    if (answer) return *answer;
+    if (Clock::now() >= deadline) fail(answer.error().message);
+    identify();
+  }
+}
+
+std::vector<std::uint32_t> Connection::read(const std::vector<std::uint32_t>& addresses) {
+  std::vector<std::uint32_t> values;
+  for (std::size_t at = 0; at < addresses.size(); at += link::kMaxReads) {
+    const auto begin = addresses.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto end =
+        begin + static_cast<std::ptrdiff_t>(std::min(link::kMaxReads, addresses.size() - at));
+    for (const RegisterWrite& value : ask(link::read_request({begin, end}))) {
+      values.push_back(value.value);
+    }
+  }
+  return values;
+}
+
+void Connection::write(const std::vector<RegisterWrite>& writes) {
+  ask(link::write_request(writes));
+}
+
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,237 @@
+// board selftest.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <opencv2/imgproc.hpp>
+
+#include "board/build.hpp"
+#include "board/modes.hpp"
+#include "board/streams.hpp"
+#include "fpga_stereo/core/pipeline.hpp"
+#include "support/interrupt.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr double kSlowestLine = 100e3;  // bytes/s that a pair and its results are waited for
+constexpr double kMoreTime = 15;        // s: to send it again on a line that loses some
+constexpr double kConfigureTime = 30;   // s
+
+/// What is sent, under which settings, and what comes back.
+struct Case {
+  unsigned seed = 0;
+  bool moving = false;  // meshes that move something
+  Parameters parameters;
+  StereoRectification rectification;
+  cv::Mat1b left, right;
+};
+
+/// Texture whose disparities vary in bands of rows, and noise that makes some of it ambiguous.
+void make_pair(cv::Size size, unsigned seed, int disparities, cv::Mat1b& left, cv::Mat1b& right) {
+  cv::RNG random(seed * 7919 + 1);
+  right.create(size);
+  random.fill(right, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(right, right, {0, 0}, 0.8);
+  left.create(size);
+  for (int y = 0; y < size.height; ++y) {
+    const int moved = y / 8 * 3 % std::max(disparities - 1, 1);
+    for (int x = 0; x < size.width; ++x) {
+      const int noise = random.uniform(0, 16) == 0 ? random.uniform(0, 64) : 0;
+      left(y, x) = cv::saturate_cast<std::uint8_t>(right(y, std::max(x - moved, 0)) + noise);
+    }
+  }
+}
+
+/// Turned about the middle, as far as the line buffer allows, and shifted.
+CameraRectification turned(cv::Size size, int rows, double sign, int shift_x,
+                           const std::string& camera) {
+  const double room = std::max(0.0, (rows - 8) / 4.0);  // px up or down at the edge
+  const double angle = sign * std::min(0.02, room / size.width);
+  const cv::Point2d middle(size.width / 2.0, size.height / 2.0);
+  const auto map = [=](double x, double y) {
+    const double u = x - shift_x - middle.x, v = y - middle.y;
+    return cv::Point2d(middle.x + u - angle * v + 0.3 * sign, middle.y + v + angle * u + 0.7);
+  };
+  auto made = make_rectification(map, size, size, camera);
+  require(made);
+  return *made;
+}
+
+Case make_case(const GatewareBuild& build, cv::Size size, unsigned seed, bool moving) {
+  Case made;
+  made.seed = seed;
+  made.moving = moving;
+  Parameters& p = made.parameters;
+  p = parameters_of(build);
+  p.min_disparity = static_cast<int>(seed % 3);
+  p.speckle_size = static_cast<int>(seed * 37 % 200);
+  p.uniqueness_ratio = seed * 11 % 50;
+  p.disp12MaxDiff = static_cast<int>(seed % 4);
+  p.subpixel = seed % 4 != 3;
+  StereoGeometry geometry;
+  geometry.image_size = size;
+  made.rectification = no_rectification(geometry, p.min_disparity);
+  if (moving) {
+    made.rectification.left = turned(size, build.line_rows, 1, 0, "left");
+    made.rectification.right = turned(size, build.line_rows, -1, p.min_disparity, "right");
+  }
+  make_pair(size, seed, build.disparities, made.left, made.right);
+  return made;
+}
+
+struct Comparison {
+  std::uint64_t compared = 0, differing = 0;
+};
+
+class SelfTest {
+ public:
+  SelfTest(Connection& board, const link::Identity& identity, unsigned streams)
+      : board_(board), identity_(identity), streams_(streams) {}
+
+  Comparison run(const Case& test) {
+    const auto made = configuration(identity_.build, test.parameters, test.rectification);
+    require(made, "this board cannot be tested with that: ");
+    configure(board_, *made, ++tag_, streams_, true, kConfigureTime);
+    const link::FrameSet set = send(test);
+    const Taps& taps = pipeline_.process(test.left, test.right, test.rectification, test.parameters,
+                                         cv::getNumberOfCPUs());
+    Comparison all;
+    compare(test, "disparity", set.image(link::Stream::kDisparity), taps.disparity, all);
+    compare(test, "left", set.image(link::Stream::kRectifiedLeft), taps.left, all);
+    compare(test, "right", set.image(link::Stream::kRectifiedRight), taps.right, all);
+    return all;
+  }
+
+ private:
+  /// The pair to the board, until all that it makes of it is here.
+  link::FrameSet send(const Case& test) {
+    const double time = std::max(1.0, static_cast<double>(test.left.total()) * 6 / kSlowestLine);
+    const auto begin = std::chrono::steady_clock::now();
+    const auto spent = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    for (; spent() < time + kMoreTime; ++lost_) {
+      const std::uint64_t id = ++frame_;
+      const bool sent = board_.wait_until(board_.patience(), [&](const Connection::Snapshot&) {
+        return board_.device().send_pair(test.left, test.right, id, id);
+      });
+      if (!sent) {
+        throw std::runtime_error("the board takes no pair: " + board_.snapshot().complaint);
+      }
+      std::optional<link::FrameSet> found;
+      board_.wait_until(time, [&](const Connection::Snapshot&) {
+        for (auto& arrived : board_.take(std::chrono::milliseconds(20))) {
+          const auto& frames = arrived.frames;
+          if (frames.tag == tag_ && frames.set.frame_id == id) found = frames.set;
+        }
+        return found.has_value();
+      });
+      if (found && whole(*found)) return *found;
+    }
+    throw std::runtime_error(concat("no result of a pair came whole within ", time + kMoreTime,
+                                    " s: what does board measure say?"));
+  }
+
+  bool whole(const link::FrameSet& set) const {
+    for (const StreamName& each : kStreamNames) {
+      if (has(streams_, each.stream) && set.image(each.stream).empty()) return false;
+    }
+    return true;
+  }
+
+  void compare(const Case& test, const std::string& name, const cv::Mat& board,
+               const cv::Mat& software, Comparison& all) {
+    if (board.empty()) return;
+    if (board.size() != software.size() || board.type() != software.type()) {
+      throw std::runtime_error(concat(name, " has ", board.cols, "x", board.rows, " pixels: ",
+                                      software.cols, "x", software.rows, " were expected"));
+    }
+    const cv::Mat differ = board != software;
+    const auto count = static_cast<std::uint64_t>(cv::countNonZero(differ));
+    all.compared += board.total();
+    all.differing += count;
+    if (count == 0) return;
+    std::vector<cv::Point> where;
+    cv::findNonZero(differ, where);
+    const auto value = [&](const cv::Mat& image) {
+      return image.depth() == CV_16U ? image.at<std::uint16_t>(where[0])
+                                     : image.at<std::uint8_t>(where[0]);
+    };
+    std::cout << "  seed " << test.seed << ", " << name << ": " << count
+              << " pixels differ, the first at (" << where[0].x << ", " << where[0].y << "): board "
+              << value(board) << ", software " << value(software) << "\n";
+  }
+
+  Connection& board_;
+  const link::Identity identity_;
+  const unsigned streams_;
+  Pipeline pipeline_;
+  std::uint64_t tag_ = 0, frame_ = 0;
+
+ public:
+  int lost_ = 0;
+};
+
+}  // namespace
+
+void self_test(const std::string& device, const Arguments& arguments) {
+  CommandLine line;
+  line.usage =
+      "Usage: board selftest [DEVICE] [options]\n"
+      "Sends textured pairs through the board in place of its cameras, with calibrations that "
+      "move\n"
+      "nothing and such that do and with varied parameters, and compares what comes back with the\n"
+      "software, bit for bit. The exit code is 1 where a single pixel differs. The board is to be\n"
+      "configured anew afterwards.\n";
+  line.options.add_options()("size", po::value<std::string>()->value_name("WxH"),
+                             "of the pairs; by default as wide as the board can, 4 : 3");
+  line.options.add_options()("pairs", po::value<int>()->value_name("N")->default_value(3),
+                             "so many, each with two calibrations [1 to 1000]");
+  add_patience(line.options);
+  const auto parsed = parse(line, arguments);
+  if (!parsed) return;
+  const int pairs = parsed->options["pairs"].as<int>();
+  require_range("--pairs", pairs, 1, 1000);
+  cv::Size size;
+  if (parsed->options.count("size") != 0) {
+    size = parse_size(parsed->options["size"].as<std::string>());
+  }
+
+  Connection board(device, patience(parsed->options));
+  const link::Identity identity = board.identify();
+  if (!identity.can(link::Stream::kInput) || !identity.can(link::Stream::kDisparity)) {
+    throw std::runtime_error(
+        "this board takes no pairs from the host, or sends no disparity: "
+        "see streams of board probe");
+  }
+  if (size.empty()) size = {identity.build.max_width, identity.build.max_width * 3 / 4};
+  unsigned streams = 0;
+  for (const auto stream :
+       {link::Stream::kDisparity, link::Stream::kRectifiedLeft, link::Stream::kRectifiedRight}) {
+    if (identity.can(stream)) streams |= 1U << static_cast<unsigned>(stream);
+  }
+  SelfTest test(board, identity, streams);
+  Comparison all;
+  for (int seed = 1; seed <= pairs; ++seed) {
+    for (const bool moving : {false, true}) {
+      const Comparison one =
+          test.run(make_case(identity.build, size, static_cast<unsigned>(seed), moving));
+      std::cout << "seed " << seed << ", " << size.width << "x" << size.height
+                << (moving ? ", rectified" : ", as it is") << ": " << one.compared
+                << " pixels compared, " << one.differing << " differ" << std::endl;
+      all.compared += one.compared;
+      all.differing += one.differing;
+    }
+  }
+  std::cout << "all: " << all.compared << " pixels compared, " << all.differing << " differ; "
+            << test.lost_ << " pairs were lost on the way and sent again\n";
+  if (all.differing != 0) {
+    throw std::runtime_error(concat(all.differing, " of ", all.compared,
+                                    " pixels differ: this board does not compute what the "
+                                    "software does"));
+  }
+}
+
+}  // namespace fpga_stereo::tools

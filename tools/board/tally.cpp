@@ -1,0 +1,116 @@
+#include "board/tally.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "board/streams.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+using Verdict = link::Assembled::Verdict;
+
+constexpr std::array<std::pair<Verdict, const char*>, 4> kCauses{
+    {{Verdict::kRowsMissing, "rows missing"},
+     {Verdict::kNoTrailer, "no end"},
+     {Verdict::kFlagged, "flagged by the board"},
+     {Verdict::kBadSignature, "wrong signature"}}};
+
+class Table {
+ public:
+  Table() { text_ << std::fixed; }
+  template <class... Parts>
+  void line(const std::string& name, const Parts&... parts) {
+    text_ << std::left << std::setw(11) << name;
+    (text_ << ... << parts) << "\n";
+  }
+  std::string text() const { return text_.str(); }
+
+ private:
+  std::ostringstream text_;
+};
+
+std::string rounded(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+}  // namespace
+
+Tally::Tally(const FrameSource& source, unsigned streams)
+    : streams_(streams), start_(source.snapshot()) {}
+
+void Tally::add(const ArrivedFrames& frames) {
+  for (std::size_t i = 0; i < frames_.size(); ++i) frames_[i] += !frames.set.images[i].empty();
+  for (const Verdict verdict : frames.set.verdicts) ++dropped_[static_cast<std::size_t>(verdict)];
+  if (frames.stamp && frames.set.verdicts.empty()) {
+    latencies_.push_back((frames.at - *frames.stamp) * 1e3);
+  }
+}
+
+double Tally::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+std::string Tally::text(const FrameSource& source) const {
+  const link::Device::Snapshot end = source.snapshot();
+  const double time = seconds();
+  const auto rate = [&](std::uint64_t count, double unit) {
+    return rounded(static_cast<double>(count) / unit / time, 2);
+  };
+  Table table;
+  table.line("line", end.description.empty() ? end.complaint : end.description);
+  table.line("time", rounded(time, 2), " s");
+  const std::uint64_t bytes = end.line.bytes - start_.line.bytes;
+  table.line("bytes", bytes, " from the board, ", rate(bytes, 1e6), " MB/s; ",
+             end.transport.bytes_out, " to it; ", end.transport.stalls, " stalls of the line");
+  for (const StreamName& each : kStreamNames) {
+    if (!has(streams_, each.stream)) continue;
+    const std::uint64_t count = frames_[static_cast<std::size_t>(each.stream)];
+    table.line(each.name, count, " frames, ", rate(count, 1), " f/s");
+  }
+  std::string causes;
+  for (const auto& [verdict, name] : kCauses) {
+    causes += concat(", ", dropped_[static_cast<std::size_t>(verdict)], " ", name);
+  }
+  table.line("dropped", end.board.frames_dropped - start_.board.frames_dropped,
+             " by the board (line too slow)", causes, ", ", end.session.unknown_configuration,
+             " of an unknown configuration");
+  table.line("packets", end.line.packets - start_.line.packets, " good, ",
+             end.line.lost - start_.line.lost, " lost, ",
+             end.line.bad_headers - start_.line.bad_headers, " wrong headers, ",
+             end.line.bad_payloads - start_.line.bad_payloads, " wrong payloads, ",
+             end.line.skipped - start_.line.skipped, " bytes of none");
+  if (end.opened == 0) return table.text();  // a recording
+
+  if (!latencies_.empty()) {
+    std::vector<double> sorted = latencies_;
+    std::sort(sorted.begin(), sorted.end());
+    const auto at = [&](double part) {
+      const double index = part * static_cast<double>(sorted.size() - 1);
+      return rounded(sorted[static_cast<std::size_t>(std::lround(index))], 2);
+    };
+    table.line("latency", "median ", at(0.5), " ms, 95 % ", at(0.95), " ms, 99 % ", at(0.99),
+               " ms, largest ", at(1), " ms, from mid-exposure to the last byte here");
+  }
+  table.line("clock", "drift ", rounded(end.clock_drift * 1e6, 1), " ppm, stamps within ",
+             rounded(end.clock_uncertainty * 1e3, 2), " ms");
+  std::string steps;
+  for (int i = 0; i < link::Session::kSteps; ++i) {
+    const auto step = static_cast<link::Session::Step>(i);
+    const auto index = static_cast<std::size_t>(i);
+    steps +=
+        concat(link::name(step), " ", end.session.steps[index] - start_.session.steps[index], ", ");
+  }
+  table.line("watchdog", steps, "opened ", end.opened, " times; ", end.session.requests,
+             " requests, ", end.session.repeated, " repeated");
+  table.line("board", end.board.bad_packets, " wrong and ", end.board.lost_packets,
+             " lost packets of ours; ", end.board.cut_frames, " cut and ", end.board.long_frames,
+             " long frames of the cameras, ", end.board.buffer_errors, " line buffer errors");
+  return table.text();
+}
+
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,33 @@
+// What has come over a line in a while, for people.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "board/frames.hpp"
+
+namespace fpga_stereo::tools {
+
+class Tally {
+ public:
+  Tally(const FrameSource& source, unsigned streams);
+
+  void add(const ArrivedFrames& frames);
+  double seconds() const;
+  /// Table of lines "name  value".
+  std::string text(const FrameSource& source) const;
+
+ private:
+  static constexpr int kVerdicts = 6;
+
+  const unsigned streams_;
+  const link::Device::Snapshot start_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::array<std::uint64_t, link::kNumStreams> frames_{};
+  std::array<std::uint64_t, kVerdicts> dropped_{};
+  std::vector<double> latencies_;  // ms
+};
+
+}  // namespace fpga_stereo::tools

@@ -1,0 +1,70 @@
+#include <csignal>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include "sim/virtual_ft232h.hpp"
+#include "support/child.hpp"
+#include "support/interrupt.hpp"
+#include "virtual_board/line.hpp"
+
+namespace fpga_stereo::tools {
+namespace {
+
+/// The program runs inside the emulation: only what has its environment sees the device.
+class UsbLine : public Line, private sim::FifoBackend {
+ public:
+  UsbLine(sim::FaultyBoard& board, const sim::VirtualFt232h::Options& options,
+          const std::vector<std::string>& command)
+      : board_(board),
+        chip_(*this, options),
+        child_(command, sim::VirtualFt232h::environment(),
+               command[0] + ": there is no such program") {}
+
+  void serve(std::chrono::milliseconds most) override {
+    // The board may have bytes, or room, for any reason.
+    chip_.poke();
+    std::this_thread::sleep_for(most);
+  }
+  void plug(bool plugged) override {
+    if (plugged == chip_.plugged()) return;
+    if (plugged) return chip_.plug();
+    chip_.unplug();
+    board_.cut();
+  }
+  std::optional<int> ended() override {
+    if (interrupted()) {
+      child_.send_signal(SIGTERM);
+      return child_.wait();
+    }
+    return child_.exit_code();
+  }
+  void halt() override { chip_.stall_in(); }
+  void send_empty(int transfers) override { chip_.send_empty(transfers); }
+  void limit_packets(int payload) override {
+    chip_.limit_packets(static_cast<std::size_t>(payload));
+  }
+
+ private:
+  std::size_t from_host(const std::uint8_t* bytes, std::size_t size) override {
+    return board_.from_host(bytes, size);
+  }
+  std::size_t to_host(std::uint8_t* bytes, std::size_t size) override {
+    return board_.to_host(bytes, size);
+  }
+
+  sim::FaultyBoard& board_;
+  sim::VirtualFt232h chip_;
+  Child child_;
+};
+
+}  // namespace
+
+std::unique_ptr<Line> make_usb_line(sim::FaultyBoard& board, const std::string& serial_number,
+                                    const std::vector<std::string>& command) {
+  sim::VirtualFt232h::Options options;
+  options.serial_number = serial_number;
+  return std::make_unique<UsbLine>(board, options, command);
+}
+
+}  // namespace fpga_stereo::tools
