@@ -1,12 +1,12 @@
 # The gateware's end of the link: its modules, and a whole board of them (fs_system).
-add_library(rtl_link_models STATIC models.cpp)
-set_target_properties(rtl_link_models PROPERTIES POSITION_INDEPENDENT_CODE ON)
-fpga_stereo_verilate(Crc8 fs_crc32c Bits=8 LIBRARY=rtl_link_models)
-fpga_stereo_verilate(Crc32 fs_crc32c Bits=32 LIBRARY=rtl_link_models)
-fpga_stereo_verilate(PacketFinder fs_packet_finder LIBRARY=rtl_link_models)
-fpga_stereo_verilate(InputSelect fs_input_select SilenceMs=3 LIBRARY=rtl_link_models)
-fpga_stereo_verilate(Heartbeat fs_heartbeat LIBRARY=rtl_link_models)
-fpga_stereo_verilate(Time fs_time ClockHz=3333333 LIBRARY=rtl_link_models)
+add_library(rtl_system_models STATIC models.cpp)
+set_target_properties(rtl_system_models PROPERTIES POSITION_INDEPENDENT_CODE ON)
+fpga_stereo_verilate(Crc8 fs_crc32c Bits=8 LIBRARY=rtl_system_models)
+fpga_stereo_verilate(Crc32 fs_crc32c Bits=32 LIBRARY=rtl_system_models)
+fpga_stereo_verilate(PacketFinder fs_packet_finder LIBRARY=rtl_system_models)
+fpga_stereo_verilate(InputSelect fs_input_select SilenceMs=3 LIBRARY=rtl_system_models)
+fpga_stereo_verilate(Heartbeat fs_heartbeat LIBRARY=rtl_system_models)
+fpga_stereo_verilate(Time fs_time ClockHz=3333333 LIBRARY=rtl_system_models)
 
 # A clock of 0.1 MHz: the seconds of HeartbeatMs and HostTimeoutMs are few clocks.
 fpga_stereo_model(rtl_model_system 64 16 11 15 0 10 80 100000 126 4)
@@ -24,8 +24,8 @@ if(TARGET rtl_system_test)
   fpga_stereo_target(rtl_system_test)
   target_compile_definitions(rtl_system_test PRIVATE FPGA_STEREO_MODELS="${models}")
   target_include_directories(rtl_system_test SYSTEM PRIVATE
-    $<TARGET_PROPERTY:rtl_link_models,INTERFACE_INCLUDE_DIRECTORIES>)
+    $<TARGET_PROPERTY:rtl_system_models,INTERFACE_INCLUDE_DIRECTORIES>)
   target_link_libraries(rtl_system_test
-    rtl_link_models fpga_stereo_link fpga_stereo_simulation fpga_stereo_test_support)
+    rtl_system_models fpga_stereo_link fpga_stereo_simulation fpga_stereo_test_support)
   add_dependencies(rtl_system_test rtl_model_system)
 endif()

@@ -110,6 +110,32 @@ TEST_F(RtlSystemInput, ASlowLineHoldsThePipelineAndNothingIsDropped) {
   EXPECT_EQ(rig_.read(spec::kRegFramesDropped), 0U);
 }
 
+// A whole pair fits into the FIFO in front of the pipeline, and the next one into what holds it.
+TEST_F(RtlSystemInput, PairsOfOneRowKeepTheirIds) {
+  rectification_ = unmoved({16, 1});
+  rig_.configure(parameters_, rectification_);
+  const auto pairs = textured({16, 1}, 40, 3);
+  sim::SystemModel::Flow slow;
+  slow.tx = 0.02;
+  rig_.system().set_flow(slow);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    Sending how;
+    how.id = i;
+    how.timestamp = 1000 * i;
+    send_pair(rig_, pairs[i], how);
+  }
+  rig_.run(50000);
+  rig_.system().set_flow({});
+  rig_.run_until_frames(5 * pairs.size());
+  for (const Assembled& frame : rig_.frames) {
+    Sending how;
+    how.id = frame.frame_id;
+    how.timestamp = 1000 * how.id;
+    expect_good(frame, pairs.at(how.id), how);
+  }
+  EXPECT_EQ(rig_.read(spec::kRegFramesDropped), 0U);
+}
+
 TEST_F(RtlSystemInput, RowsThatComeTwiceCountOnce) {
   const RawPair pair = textured(kSize, 1, 4)[0];
   Sending how;

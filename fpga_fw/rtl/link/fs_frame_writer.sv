@@ -143,6 +143,7 @@ module fs_frame_writer #(
       at_q <= '0;
       commit_o <= '0;
       begun_q <= 1'b0;
+      send_q <= 1'b0;
       number_o <= '1;
     end
   end
