@@ -126,6 +126,7 @@ void get_registers(const std::string& device, const Arguments& arguments) {
   Connection board(device, patience(parsed->options));
   board.identify();
   std::vector<std::uint32_t> addresses;
+  addresses.reserve(wanted.size());
   for (const Register* reg : wanted) addresses.push_back(reg->address);
   const auto values = board.read(addresses);
   for (std::size_t i = 0; i < wanted.size(); ++i) print(*wanted[i], values[i]);

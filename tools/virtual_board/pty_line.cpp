@@ -33,7 +33,7 @@ class PtyLine final : public Line {
     }
     plug(true);
   }
-  ~PtyLine() override { plug(false); }
+  ~PtyLine() override { close_line(); }
   PtyLine(const PtyLine&) = delete;
   PtyLine& operator=(const PtyLine&) = delete;
 
@@ -42,6 +42,7 @@ class PtyLine final : public Line {
   std::string ready() const override { return path_; }
 
  private:
+  void close_line();
   bool read_host();
   bool write_host();
 
@@ -55,15 +56,20 @@ std::runtime_error failure(const std::string& what) {
   return std::runtime_error(what + ": " + std::strerror(errno));
 }
 
+void PtyLine::close_line() {
+  if (master_ < 0) return;
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+  close(master_);
+  master_ = -1;
+}
+
 void PtyLine::plug(bool plugged) {
   if (plugged == (master_ >= 0)) return;
   from_host_.clear();
   to_host_.clear();
   if (!plugged) {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-    close(master_);
-    master_ = -1;
+    close_line();
     return board_.cut();
   }
   master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
