@@ -52,8 +52,8 @@ package fs_pkg;
   localparam logic [7:0] LinkFirstRegister = 8'h60;            // registers from here: the link's
   localparam int HeartbeatMs = 500;                            // between signs of life, both ways
   localparam int HostTimeoutMs = 2000;                         // of silence, and the board stops
-  localparam int BoardSilenceMs = 100;                         // after which the board gives up a packet
-  localparam int HostSilenceMs = 1000;                         // after which the host does
+  localparam int BoardSilenceMs = 100;                         // until the board gives a packet up
+  localparam int HostSilenceMs = 1000;                         // until the host does
   localparam logic [7:0] PacketReadRegisters = 8'h01;          // host
   localparam logic [7:0] PacketWriteRegisters = 8'h02;         // host
   localparam logic [7:0] PacketWriteMesh = 8'h03;              // host

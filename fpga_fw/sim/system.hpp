@@ -55,6 +55,8 @@ class SystemModel {
 
   /// Nothing that was fed or sent by the host is left.
   bool idle() const { return rx_.empty() && camera_.empty(); }
+  /// Bytes of the host that have not gone in.
+  std::size_t bytes_left() const { return rx_.size(); }
   /// Pixels of the cameras that have not gone in.
   std::size_t pixels_left() const { return camera_.size(); }
   std::int64_t clocks() const { return clocks_; }

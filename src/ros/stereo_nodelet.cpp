@@ -186,7 +186,10 @@ void StereoNodelet::on_subscribers() {
 void StereoNodelet::on_pair(const InputPair& pair) {
   if (board_ && board_->takes_pairs() && board_->send(pair)) return;
   if (board_settings_.backend == Backend::kBoard) {
-    health_.refused(DropCause::kLink, "pair dropped: " + board_->complaint());
+    std::string why = board_->complaint();
+    if (why.empty()) why = board_->unable();
+    if (why.empty()) why = "the board is being configured, or has not taken the pair before";
+    health_.refused(DropCause::kLink, "pair dropped: " + why);
     return;
   }
   software_->receive(pair);
@@ -212,6 +215,9 @@ void StereoNodelet::on_frame(const StereoFrame& frame, const char* source) {
 
 const char* StereoNodelet::source() const {
   if (!board_) return SoftwareSource::kName;
+  if (board_settings_.backend == Backend::kBoard && board_settings_.topic_input) {
+    return BoardSource::kName;
+  }
   if (board_settings_.backend == Backend::kBoard && !board_->present()) return BoardSource::kName;
   return board_->present() && board_->unable().empty() ? BoardSource::kName : SoftwareSource::kName;
 }
@@ -262,6 +268,8 @@ void StereoNodelet::announce_source() {
   const std::string now = source();
   if (now == announced_ && board_->unable() == announced_why_) return;
   const std::string why = board_->present() ? board_->unable() : board_->complaint();
+  const bool refused = board_->snapshot().state == link::Session::State::kRefused;
+  if (refused) NODELET_ERROR_STREAM(board_->complaint());
   if (now == BoardSource::kName && board_->present()) {
     NODELET_INFO_STREAM("the disparity comes from the board: " << board_->snapshot().description);
   } else if (now == SoftwareSource::kName) {

@@ -206,7 +206,7 @@ TEST_F(Board, IsResetAndTellsAboutItself) {
 TEST(BoardIdle, SendsNothingThatNobodyListensTo) {
   std::string line;
   ros::param::get("~line", line);
-  PtyBoard board(line, {});
+  PtyBoard board(line, sim::SoftwareBoard::Options{});
   const PairMessages pair = synthetic_pair(kSize, 12, true);
   board.watch({grey(pair.left), grey(pair.right)});
   Rig rig;

@@ -62,7 +62,7 @@ class Both {
 TEST(BoardTopics, EveryMessageIsThatOfTheSoftware) {
   std::string line;
   ros::param::get("~line", line);
-  PtyBoard board(line, {});
+  PtyBoard board(line, sim::SoftwareBoard::Options{});
   Rig rig;
   ros::NodeHandle board_nh("board");
   Listener<StereoStatus> status(board_nh, "fpga_stereo/status");

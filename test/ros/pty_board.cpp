@@ -12,8 +12,13 @@ namespace fpga_stereo::test {
 
 using Clock = std::chrono::steady_clock;
 
-PtyBoard::PtyBoard(std::string path, const sim::SoftwareBoard::Options& options)
-    : path_(std::move(path)), board_(options) {
+PtyBoard::PtyBoard(const std::string& path, const sim::SoftwareBoard::Options& options)
+    : PtyBoard(path, std::make_unique<sim::SoftwareBoard>(options)) {}
+
+PtyBoard::PtyBoard(std::string path, std::unique_ptr<sim::Board> board)
+    : path_(std::move(path)),
+      board_(std::move(board)),
+      software_(dynamic_cast<sim::SoftwareBoard*>(board_.get())) {
   open_line();
   thread_ = std::thread([this] { run(); });
 }
@@ -51,6 +56,7 @@ void PtyBoard::plug(bool plugged) {
     open_line();
   } else {
     close_line();
+    in_.clear();
     out_.clear();
   }
 }
@@ -63,25 +69,30 @@ void PtyBoard::watch(const sim::RawPair& pair, double rate) {
 
 std::uint32_t PtyBoard::peek(std::uint32_t address) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return board_.peek(address);
+  return software_ != nullptr ? software_->peek(address) : 0;
 }
 
 void PtyBoard::reset() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  board_.reset();
+  board_->reset();
 }
 
 bool PtyBoard::move_bytes() {
   if (master_ < 0) return false;
   std::uint8_t bytes[4096];
   bool moved = false;
-  if (const ssize_t n = read(master_, bytes, sizeof bytes); n > 0) {
-    board_.from_host(bytes, static_cast<std::size_t>(n));
-    moved = true;
+  if (in_.empty()) {
+    const ssize_t n = read(master_, bytes, sizeof bytes);
+    if (n > 0) in_.assign(bytes, bytes + n);
+  }
+  if (!in_.empty()) {
+    const std::size_t taken = board_->from_host(in_.data(), in_.size());
+    in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(taken));
+    moved = taken > 0;
   }
   if (out_.empty()) {
     out_.resize(65536);
-    out_.resize(board_.to_host(out_.data(), out_.size()));
+    out_.resize(board_->to_host(out_.data(), out_.size()));
   }
   if (out_.empty()) return moved;
   if (const ssize_t n = write(master_, out_.data(), out_.size()); n > 0) {
@@ -98,11 +109,11 @@ void PtyBoard::run() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       const auto now = Clock::now();
-      board_.run(std::chrono::duration_cast<std::chrono::microseconds>(now - last));
+      board_->run(std::chrono::duration_cast<std::chrono::microseconds>(now - last));
       last = now;
       if (!pair_.left.empty() && now >= next_frame) {
         next_frame = now + std::chrono::microseconds(static_cast<int>(1e6 / rate_));
-        board_.feed(pair_);
+        board_->feed(pair_);
       }
       for (int i = 0; i < 64 && move_bytes(); ++i) moved = true;
     }

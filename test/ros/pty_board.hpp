@@ -1,4 +1,4 @@
-// A board of software behind a serial line, for tests of the running node.
+// A board that is a program behind a serial line, for tests of the running node.
 #pragma once
 
 #include <atomic>
@@ -14,12 +14,14 @@ namespace fpga_stereo::test {
 class PtyBoard {
  public:
   /// Plugged in: `path` becomes a link to the pseudo terminal.
-  PtyBoard(std::string path, const sim::SoftwareBoard::Options& options);
+  PtyBoard(std::string path, std::unique_ptr<sim::Board> board);
+  PtyBoard(const std::string& path, const sim::SoftwareBoard::Options& options);
   ~PtyBoard();
 
   void plug(bool plugged);
   /// Its cameras see this pair, `rate` times a second; an empty one: nothing.
   void watch(const sim::RawPair& pair, double rate = 20);
+  /// Of a board of software.
   std::uint32_t peek(std::uint32_t address);
   void reset();
 
@@ -31,11 +33,12 @@ class PtyBoard {
 
   const std::string path_;
   std::mutex mutex_;
-  sim::SoftwareBoard board_;
+  const std::unique_ptr<sim::Board> board_;
+  sim::SoftwareBoard* software_ = nullptr;
   sim::RawPair pair_;
   double rate_ = 20;
   int master_ = -1;
-  std::vector<std::uint8_t> out_;
+  std::vector<std::uint8_t> in_, out_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

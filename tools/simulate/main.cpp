@@ -4,8 +4,8 @@
 #include <iostream>
 
 #include "sim/gateware.hpp"
-#include "simulate/models.hpp"
 #include "support/files.hpp"
+#include "support/models.hpp"
 #include "support/parameter_options.hpp"
 #include "support/program.hpp"
 #include "support/stereo_job.hpp"

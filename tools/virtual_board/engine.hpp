@@ -12,7 +12,7 @@ namespace fpga_stereo::tools {
 
 struct Engine {
   std::unique_ptr<sim::Board> board;
-  /// What a register holds, by its address, without asking over the line.
+  /// What a register holds, by its address, without asking over the line; empty: cannot be told.
   std::function<std::uint32_t(std::uint32_t)> peek;
 };
 

@@ -242,10 +242,12 @@ std::string VirtualBoard::statistics() const {
   const sim::FaultyBoard::Counts counts = board_.counts();
   std::ostringstream text;
   text << "virtual_board: " << fed_ << " pairs from the cameras, " << late_
-       << " left out because the engine was too slow\n"
-       << "virtual_board: " << engine_.peek(spec::kRegFramesDropped)
-       << " frames dropped because the host took none since the last reset\n"
-       << "virtual_board: " << counts.to_host << " bytes to the host, " << counts.from_host
+       << " left out because the engine was too slow\n";
+  if (engine_.peek) {
+    text << "virtual_board: " << engine_.peek(spec::kRegFramesDropped)
+         << " frames dropped because the host took none since the last reset\n";
+  }
+  text << "virtual_board: " << counts.to_host << " bytes to the host, " << counts.from_host
        << " from it, " << counts.lost << " lost for want of one\n"
        << "virtual_board: " << counts.resets << " resets, " << events_.unplugged()
        << " times unplugged, " << counts.stalls << " stalls\n";

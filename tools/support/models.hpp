@@ -21,4 +21,13 @@ std::string default_models_folder();
 /// compilers at once; fpga_fw/sim/build_model says so on stderr.
 std::string model(const GatewareBuild& build, bool trace, const std::string& folder, int jobs);
 
+/// The same of a whole board, with its link: fs_system.
+struct SystemBuild {
+  GatewareBuild gateware;
+  int clock_hz = 0;   // of its clock
+  int streams = 126;  // bit s: stream s
+  int ring_rows = 4;  // rows of an image that wait for the line
+};
+std::string system_model(const SystemBuild& build, const std::string& folder, int jobs);
+
 }  // namespace fpga_stereo::tools

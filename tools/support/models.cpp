@@ -1,4 +1,4 @@
-#include "simulate/models.hpp"
+#include "support/models.hpp"
 
 #include <sys/wait.h>
 
@@ -27,6 +27,29 @@ std::string build_model_path() {
     if (fs::exists(path)) return path.string();
   }
   throw std::runtime_error(concat("build_model is neither ", installed, " nor ", source));
+}
+
+/// The numbers that build_model takes of a pipeline.
+std::string numbers(const GatewareBuild& build) {
+  const int full = build.census_pattern == CensusPattern::kFull ? 1 : 0;
+  return concat(build.max_width, " ", build.disparities, " ", build.census_window, " ",
+                build.correlation_window, " ", full, " ", build.line_rows, " ", build.mesh_nodes);
+}
+
+std::string built(const std::string& arguments, const std::string& folder, int jobs) {
+  const std::string command = concat(shell_quoted(build_model_path()), " ", arguments, " --jobs ",
+                                     jobs, " ", shell_quoted(fs::absolute(folder).string()));
+  FILE* output = popen(command.c_str(), "r");
+  if (output == nullptr) throw std::runtime_error(command + ": cannot be run");
+  std::string path;
+  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) {
+    if (c != '\n') path += static_cast<char>(c);
+  }
+  const int status = pclose(output);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw std::runtime_error(concat(folder, ": the simulated gateware cannot be built there"));
+  }
+  return path;
 }
 
 }  // namespace
@@ -60,23 +83,13 @@ std::string default_models_folder() {
 }
 
 std::string model(const GatewareBuild& build, bool trace, const std::string& folder, int jobs) {
-  const int full = build.census_pattern == CensusPattern::kFull ? 1 : 0;
-  const std::string command =
-      concat(shell_quoted(build_model_path()), " ", build.max_width, " ", build.disparities, " ",
-             build.census_window, " ", build.correlation_window, " ", full, " ", build.line_rows,
-             " ", build.mesh_nodes, trace ? " --trace" : "", " --jobs ", jobs, " ",
-             shell_quoted(fs::absolute(folder).string()));
-  FILE* output = popen(command.c_str(), "r");
-  if (output == nullptr) throw std::runtime_error(command + ": cannot be run");
-  std::string path;
-  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) {
-    if (c != '\n') path += static_cast<char>(c);
-  }
-  const int status = pclose(output);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw std::runtime_error(concat(folder, ": the simulated gateware cannot be built there"));
-  }
-  return path;
+  return built(concat(numbers(build), trace ? " --trace" : ""), folder, jobs);
+}
+
+std::string system_model(const SystemBuild& build, const std::string& folder, int jobs) {
+  return built(concat(numbers(build.gateware), " ", build.clock_hz, " ", build.streams, " ",
+                      build.ring_rows),
+               folder, jobs);
 }
 
 }  // namespace fpga_stereo::tools

@@ -1,0 +1,41 @@
+#include "sim/gateware_board.hpp"
+
+#include <algorithm>
+
+namespace fpga_stereo::sim {
+namespace {
+
+constexpr double kLongestRun = 0.02;        // s of its clock in one call: others wait meanwhile
+constexpr std::size_t kMostForHost = 4096;  // bytes of the host that wait at most
+
+}  // namespace
+
+void GatewareBoard::reset() { model_.reset(); }
+
+std::size_t GatewareBoard::from_host(const std::uint8_t* bytes, std::size_t size) {
+  const std::size_t waiting = model_.bytes_left();
+  const std::size_t taken = std::min(size, kMostForHost - std::min(waiting, kMostForHost));
+  model_.from_host(bytes, taken);
+  return taken;
+}
+
+std::size_t GatewareBoard::to_host(std::uint8_t* bytes, std::size_t size) {
+  return model_.to_host(bytes, size);
+}
+
+void GatewareBoard::feed(const RawPair& pair) {
+  if (model_.pixels_left() == 0) model_.feed(pair);
+}
+
+void GatewareBoard::run(std::chrono::microseconds time) {
+  const double per_us = model_.parameters().clock_hz * 1e-6;
+  const double most = kLongestRun * model_.parameters().clock_hz;
+  clocks_due_ = std::min(clocks_due_ + static_cast<double>(time.count()) * per_us, most);
+  while (clocks_due_ >= 1) {
+    const std::int64_t before = model_.clocks();
+    model_.run(static_cast<std::int64_t>(clocks_due_));
+    clocks_due_ -= static_cast<double>(model_.clocks() - before);
+  }
+}
+
+}  // namespace fpga_stereo::sim
