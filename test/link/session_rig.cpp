@@ -69,8 +69,13 @@ void SessionRig::run(int ms) {
     Bytes out = std::exchange(session.outgoing(), {});
     if (to_board) to_board(out);
     if (line_open && !out.empty()) board.from_host(out.data(), out.size());
-    Bytes in(1 << 20);
-    in.resize(board.to_host(in.data(), in.size()));
+    Bytes in;
+    for (std::size_t n = 1; n > 0;) {  // a ms has room for anything
+      constexpr std::size_t kPortion = 16384;
+      in.resize(in.size() + kPortion);
+      n = board.to_host(&in[in.size() - kPortion], kPortion);
+      in.resize(in.size() - kPortion + n);
+    }
     if (to_host) to_host(in);
     if (line_open && !in.empty()) session.receive(in.data(), in.size(), now, host);
     session.tick(now, host);

@@ -1,0 +1,101 @@
+// libFuzzer target: a session, which believes what a board answers. The input is a program of a
+// byte and its operands: the board of software answers what was asked, or packets with right CRCs
+// and any contents come in between, or time passes, or the line is lost. To be run by test/fuzz.
+#include <algorithm>
+#include <cstdlib>
+
+#include "link/session_rig.hpp"
+
+namespace {
+
+using fpga_stereo::link::Header;
+using fpga_stereo::link::PacketType;
+using fpga_stereo::link::Session;
+using fpga_stereo::link::Stream;
+using fpga_stereo::test::SessionRig;
+
+constexpr unsigned kStreams = 0x3E;
+
+class Program {
+ public:
+  Program(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+  bool left() const { return size_ > 0; }
+  std::uint8_t next() {
+    if (size_ == 0) return 0;
+    --size_;
+    return *data_++;
+  }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t size_;
+};
+
+/// A packet of the board with contents of the program.
+std::vector<std::uint8_t> packet(Program& program) {
+  Header header;
+  const std::uint8_t kinds[] = {0x81, 0x82, 0x83, 0x84, 0x10, 0x11, 0x12, program.next()};
+  header.type = static_cast<PacketType>(kinds[program.next() % 8]);
+  header.stream = static_cast<Stream>(program.next() % 8);
+  header.version = program.next() % 16 == 0 ? program.next() : 1;
+  header.index = program.next();
+  header.frame_id = program.next();
+  header.timestamp = std::uint64_t{program.next()} << (program.next() % 64);
+  std::vector<std::uint8_t> payload(4 * (program.next() % 20U));
+  for (std::uint8_t& byte : payload) byte = program.next();
+  std::vector<std::uint8_t> bytes;
+  fpga_stereo::link::append_packet(header, payload.data(), payload.size(), bytes);
+  return bytes;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const SessionRig::Setting settings[] = {SessionRig::setting(1), SessionRig::setting(2)};
+  static const auto pair = SessionRig::pair(1);
+  SessionRig rig;
+  Program program(data, std::min<std::size_t>(size, 2000));
+  bool answers = false;
+  rig.to_host = [&](std::vector<std::uint8_t>& bytes) {
+    if (!answers) bytes.clear();
+  };
+  for (int steps = 0; program.left() && steps < 300; ++steps) {
+    switch (program.next() % 8) {
+      case 0:
+      case 1:
+        answers = true;
+        rig.run(1 + program.next() % 30);
+        break;
+      case 2:
+        answers = false;
+        rig.run(1 + program.next());
+        break;
+      case 3: {
+        const auto bytes = packet(program);
+        rig.session.receive(bytes.data(), bytes.size(), rig.now, rig.host);
+        break;
+      }
+      case 4:
+        rig.session.want(rig.wanted(settings[program.next() % 2], program.next(), kStreams));
+        break;
+      case 5:
+        rig.pairs = {pair};
+        break;
+      case 6:
+        rig.session.closed();
+        if (program.next() % 2 == 0) rig.board.reset();
+        rig.session.opened(rig.now);
+        break;
+      default:
+        rig.session.ask(fpga_stereo::link::read_request({program.next()}), [](const auto&) {});
+        break;
+    }
+  }
+  for (const Session::Received& r : rig.received) {
+    for (const cv::Mat& image : r.set.images) {
+      if (!image.empty() && image.total() == 0) std::abort();
+    }
+  }
+  if (fpga_stereo::link::name(rig.session.state()) == nullptr) std::abort();
+  return 0;
+}
