@@ -1,5 +1,7 @@
 #include "fpga_stereo/link/device.hpp"
 
+#include <pthread.h>
+
 #include <future>
 #include <utility>
 
@@ -28,6 +30,7 @@ Device::Device(Options options, Callbacks callbacks)
       closed_because_("no board was looked for yet") {
   if (!options_.host_clock) options_.host_clock = system_time;
   thread_ = std::thread([this] { run(); });
+  pthread_setname_np(thread_.native_handle(), "board");
 }
 
 Device::~Device() {

@@ -229,7 +229,7 @@ void Session::deliver(double host) {
                        std::to_string(set.configuration) + ", which is not ours");
       continue;
     }
-    Received received{std::move(set), std::prev(after)->second, host};
+    Received received{std::move(set), std::prev(after)->second, host, host};
     if (wanted_.host_input) {
       received.stamp = static_cast<double>(received.set.timestamp) * 1e-6;
     } else if (const auto stamp = clock_.to_host(received.set.timestamp)) {

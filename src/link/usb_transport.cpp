@@ -1,5 +1,7 @@
 #include "usb_transport.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -51,6 +53,7 @@ UsbTransport::~UsbTransport() {
 
 Status UsbTransport::start() {
   thread_ = std::thread([this] { run(); });
+  pthread_setname_np(thread_.native_handle(), "board usb");
   resume();
   const std::lock_guard lock(mutex_);
   if (failed_) return *failed_;

@@ -311,11 +311,12 @@ void BoardSource::take(const Session::Received& r) {
   const bool lost = disparity_wanted && made->rectification &&
                     r.set.image(Stream::kDisparity).empty() && !r.set.dropped.empty();
   if (lost && !settings_.topic_input) return refuse(r.set.dropped.front());
-  if (settings_.topic_input) return take_pair(r.set, *made);
-  take_camera_frame(r.set, ros::Time().fromSec(r.stamp), *made);
+  if (settings_.topic_input) return take_pair(r, *made);
+  take_camera_frame(r, *made);
 }
 
-void BoardSource::take_pair(const link::FrameSet& set, const Made& made) {
+void BoardSource::take_pair(const Session::Received& r, const Made& made) {
+  const link::FrameSet& set = r.set;
   InputPair pair;
   Demand demand;
   {
@@ -342,6 +343,7 @@ void BoardSource::take_pair(const link::FrameSet& set, const Made& made) {
   frame.disparity = set.image(Stream::kDisparity);
   frame.left.rect = set.image(Stream::kRectifiedLeft);
   frame.right.rect = set.image(Stream::kRectifiedRight);
+  frame.arrived = r.arrived;
   if (const Status added = add_pictures(pair, *made.rectification, demand, frame); !added) {
     return refuse(added.error().message);
   }
@@ -353,8 +355,9 @@ void BoardSource::take_pair(const link::FrameSet& set, const Made& made) {
   callbacks_.frame(frame);
 }
 
-void BoardSource::take_camera_frame(const link::FrameSet& set, const ros::Time& stamp,
-                                    const Made& made) {
+void BoardSource::take_camera_frame(const Session::Received& r, const Made& made) {
+  const link::FrameSet& set = r.set;
+  const ros::Time stamp = ros::Time().fromSec(r.stamp);
   const cv::Mat& left = set.image(Stream::kRawLeft);
   const cv::Mat& right = set.image(Stream::kRawRight);
   cameras_.publish(left, right, made.infos, stamp);
@@ -389,6 +392,7 @@ void BoardSource::take_camera_frame(const link::FrameSet& set, const ros::Time& 
   frame.left_info.header = header;
   frame.geometry = made.rectification->geometry;
   frame.settings = made.settings;
+  frame.arrived = r.arrived;
   frame.disparity = set.image(Stream::kDisparity);
   frame.left.mono = frame.left.color = left;
   frame.right.mono = frame.right.color = right;

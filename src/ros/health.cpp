@@ -1,5 +1,7 @@
 #include "fpga_stereo/ros/health.hpp"
 
+#include <algorithm>
+
 namespace fpga_stereo {
 
 DropCause cause_of(ErrorKind kind) {
@@ -42,6 +44,12 @@ void Health::published(const StageTimes& stages, double publish_ms, double laten
   latency_ms_ += latency_ms;
 }
 
+void Health::link_latency(double ms) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  constexpr std::size_t kMost = 10000;
+  if (link_latency_ms_.size() < kMost) link_latency_ms_.push_back(ms);
+}
+
 void Health::listening(bool anyone) {
   const std::lock_guard<std::mutex> lock(mutex_);
   listening_ = anyone;
@@ -74,7 +82,18 @@ StereoStatus Health::report(bool restart) {
     s.spike_ms = stage(Stage::kSpike);
     s.publish_ms = mean(publish_ms_);
   }
+  if (!link_latency_ms_.empty()) {
+    std::vector<double> sorted = link_latency_ms_;
+    std::sort(sorted.begin(), sorted.end());
+    const auto part = [&](double p) {
+      return static_cast<float>(
+          sorted[static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1))]);
+    };
+    s.board_latency_p50_ms = part(0.5);
+    s.board_latency_p99_ms = part(0.99);
+  }
   if (restart) {
+    link_latency_ms_.clear();
     since_ = now;
     frames_ = 0;
     stage_ms_ = {};

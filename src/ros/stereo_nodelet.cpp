@@ -211,6 +211,9 @@ void StereoNodelet::on_frame(const StereoFrame& frame, const char* source) {
   const double publish_ms = (ros::WallTime::now() - start).toSec() * 1e3;
   const double latency_ms = (ros::Time::now() - stamp).toSec() * 1e3;
   health_.published(frame.ms, publish_ms, latency_ms);
+  if (frame.arrived > 0) {
+    health_.link_latency((ros::WallTime::now().toSec() - frame.arrived) * 1e3);
+  }
 }
 
 const char* StereoNodelet::source() const {

@@ -83,6 +83,7 @@ class Session {
     FrameSet set;
     std::uint64_t tag = 0;
     double stamp = 0;
+    double arrived = 0;  // host, s: when the last byte came
   };
 
   Session() : Session(Options{}) {}

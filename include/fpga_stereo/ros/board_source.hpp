@@ -71,8 +71,8 @@ class BoardSource {
   void closed();
   void received(std::vector<link::Session::Received> sets);
   void take(const link::Session::Received& received);
-  void take_pair(const link::FrameSet& set, const Made& made);
-  void take_camera_frame(const link::FrameSet& set, const ros::Time& stamp, const Made& made);
+  void take_pair(const link::Session::Received& received, const Made& made);
+  void take_camera_frame(const link::Session::Received& received, const Made& made);
   void count_lost(const link::FrameSet& set);
   void refuse(const std::string& why);
   /// Makes a configuration of settings, calibration and build. With mutex_.

@@ -42,6 +42,7 @@ struct StereoFrame {
   Settings settings;    // that it was made with
   cv::Mat1w disparity;  // 1/32 px, kNoDisparity = none; empty where not asked for
   StageTimes ms{};
+  double arrived = 0;  // s, wall time at which the last byte came from a board; 0: from none
 };
 
 }  // namespace fpga_stereo

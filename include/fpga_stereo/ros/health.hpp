@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "fpga_stereo/core/pipeline.hpp"
 #include "fpga_stereo/core/result.hpp"
@@ -55,6 +56,8 @@ class Health {
   /// Dropped with an explanation that holds until a frame is published.
   void refused(DropCause cause, const std::string& why);
   void published(const StageTimes& stages, double publish_ms, double latency_ms);
+  /// From a board's last byte to all outputs published.
+  void link_latency(double ms);
   void listening(bool anyone);
 
   /// All but header, source and state; rate and means start anew where `restart` is set.
@@ -76,6 +79,7 @@ class Health {
   std::uint64_t frames_ = 0;
   StageTimes stage_ms_{};
   double publish_ms_ = 0, latency_ms_ = 0;
+  std::vector<double> link_latency_ms_;
 };
 
 }  // namespace fpga_stereo
