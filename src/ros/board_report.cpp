@@ -99,15 +99,18 @@ void report_board(const Device::Snapshot& board, const Verifier::Counters& verif
 
 std::string device_info(const Device::Snapshot& board) {
   std::string all;
-  for (const auto& [key, value] : lines(board)) all += key + ": " + value + "\n";
-  if (!board.complaint.empty()) all += "complaint: " + board.complaint + "\n";
+  const auto line = [&all](const std::string& key, const std::string& value) {
+    all.append(key).append(": ").append(value).append("\n");
+  };
+  for (const auto& [key, value] : lines(board)) line(key, value);
+  if (!board.complaint.empty()) line("complaint", board.complaint);
   if (board.identity) {
     const link::Identity& id = *board.identity;
     for (int s = 1; s < link::kNumStreams; ++s) {
       const auto stream = static_cast<link::Stream>(s);
-      all += std::string("stream ") + name(stream) + ": " + (id.can(stream) ? "yes" : "no") + "\n";
+      line(std::string("stream ") + name(stream), id.can(stream) ? "yes" : "no");
     }
-    all += "mesh nodes: " + text(id.build.mesh_nodes) + "\n";
+    line("mesh nodes", text(id.build.mesh_nodes));
   }
   return all;
 }

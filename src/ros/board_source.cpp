@@ -59,7 +59,7 @@ BoardSource::BoardSource(const BoardSettings& settings, link::Opener open, Camer
 
 link::Device::Callbacks BoardSource::device_callbacks() {
   link::Device::Callbacks callbacks;
-  callbacks.received = [this](std::vector<Session::Received> sets) { received(std::move(sets)); };
+  callbacks.received = [this](const std::vector<Session::Received>& sets) { received(sets); };
   callbacks.identified = [this](const link::Identity& identity) { identified(identity); };
   callbacks.closed = [this] { closed(); };
   callbacks.note = [](const std::string& note) {
@@ -275,7 +275,7 @@ std::string BoardSource::complaint() const {
   return why.empty() ? "" : "board: " + why;
 }
 
-void BoardSource::received(std::vector<Session::Received> sets) {
+void BoardSource::received(const std::vector<Session::Received>& sets) {
   for (const Session::Received& r : sets) take(r);
 }
 

@@ -69,7 +69,7 @@ class BoardSource {
   link::Device::Callbacks device_callbacks();
   void identified(const link::Identity& identity);
   void closed();
-  void received(std::vector<link::Session::Received> sets);
+  void received(const std::vector<link::Session::Received>& sets);
   void take(const link::Session::Received& received);
   void take_pair(const link::Session::Received& received, const Made& made);
   void take_camera_frame(const link::Session::Received& received, const Made& made);
