@@ -28,6 +28,7 @@ module fs_camera_pair #(
   output logic [1:0]  ready_o,
   input  logic [1:0]  sof_i,
   input  logic [1:0]  eol_i,
+  input  logic [1:0]  eof_i,
   input  logic [15:0] data_i,
   output logic        error_o,
   output logic        frame_o,  // a frame was whole: a pulse
@@ -67,15 +68,15 @@ module fs_camera_pair #(
   assign room = ~valid_o | ready_i;
   assign both = &valid_i;
   assign begins = valid_i & sof_i;
-  assign right_words = sof_i == {2{first_q}} & eol_i == {2{last_x_q}};
+  assign right_words = sof_i == {2{first_q}} & eol_i == {2{last_x_q}} &
+                       eof_i == {2{last_x_q & last_y_q}};
   assign alone = synced_q ? ^valid_i : ^begins;
   assign waited = alone & skew_q == SkewBits'(MaxSkew);
   assign take = synced_q & both & right_words & room;
   assign fails = synced_q & ((both & ~right_words) | waited);
   assign starts = ~synced_q & (&begins);
-  // Out of step, all but the first words of frames is dropped; those, too, when the other has not
-  // come in time.
-  assign ready_o = synced_q ? {2{take}} : ~begins | {2{waited}};
+  // Out of step, all but the first words of frames is dropped. What has waited too long is, too.
+  assign ready_o = (synced_q ? {2{take}} : ~begins) | {2{waited}};
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       synced_q <= 1'b0;

@@ -38,13 +38,14 @@ module fs_cameras #(
   output logic [7:0]  errors_o,
   output logic [7:0]  overruns_o
 );
-  logic [1:0] valid, ready, sof, eol, overrun;
+  logic [1:0] valid, ready, sof, eol, eof, overrun;
   logic [15:0] data;
   for (genvar k = 0; k < 2; k++) begin : g_camera
     fs_camera u_camera (
       .pixclk_i(pixclk_i[k]), .frame_valid_i(frame_valid_i[k]), .line_valid_i(line_valid_i[k]),
       .data_i(data_i[8*k+:8]), .clk_i, .rst_ni, .valid_o(valid[k]), .ready_i(ready[k]),
-      .sof_o(sof[k]), .eol_o(eol[k]), .data_o(data[8*k+:8]), .overrun_o(overrun[k])
+      .sof_o(sof[k]), .eol_o(eol[k]), .eof_o(eof[k]), .data_o(data[8*k+:8]),
+      .overrun_o(overrun[k])
     );
   end
 
@@ -54,7 +55,7 @@ module fs_cameras #(
     .SensorWidth(SensorWidth), .SensorHeight(SensorHeight), .MaxSkew(MaxSkew)
   ) u_pair (
     .clk_i, .rst_ni, .width_i, .height_i, .valid_i(valid), .ready_o(ready), .sof_i(sof),
-    .eol_i(eol), .data_i(data), .error_o(error), .frame_o, .valid_o(pair_valid),
+    .eol_i(eol), .eof_i(eof), .data_i(data), .error_o(error), .frame_o, .valid_o(pair_valid),
     .ready_i(pair_ready), .sof_o(pair_sof), .eol_o(pair_eol), .left_o(pair_left),
     .right_o(pair_right)
   );

@@ -3,7 +3,7 @@
 // Formula   with SYSCLK = 25 MHz a row is 752 + 835 clocks, a frame 480 + 45 rows: 30.0 frames a
 //           second. The rows take most of the frame's time, so that the link has it, too, to send
 //           them (640 px of disparity: 21 MB/s).
-// C++ twin  kTable in test/rtl/link/camera_test.cpp
+// C++ twin  kSensorTable in test/rtl/board_test.cpp
 // Handshake none: a table, index_i to entry
 // Limits    Register numbers are those of the data sheet of the MT9V034, context A; on the MT9V032 some
 //           are others (0xAD is 0xBD there). Reset values are written, too, where the pair depends on them.
