@@ -14,13 +14,14 @@
 //           the last of the row above.
 module test_pattern #(
   parameter int ClockHz = 100000000,
+  parameter int RateBits = $clog2(ClockHz + 1),
   parameter int Far = 6,
   parameter int Near = 12,
   parameter logic [30:0] Seed = 31'h2C9F_51B3
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
-  input  logic [25:0] rate_i,  // pixels a second, up to ClockHz
+  input  logic [RateBits-1:0] rate_i,  // pixels a second, up to ClockHz
   input  logic [11:0] width_i,
   input  logic [11:0] height_i,
   output logic        valid_o,
@@ -36,7 +37,7 @@ module test_pattern #(
   logic move, last_x, last_y;
   logic begins_q;  // a frame
   logic tick;
-  fs_baud #(.ClockHz(ClockHz)) u_rate (
+  fs_baud #(.ClockHz(ClockHz), .StepBits(RateBits)) u_rate (
     .clk_i, .restart_i(~rst_ni), .step_i(rate_i), .tick_o(tick)
   );
   assign move = (~valid_o | ready_i) & tick;

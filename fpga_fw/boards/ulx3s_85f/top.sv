@@ -145,12 +145,14 @@ module top #(
   // The pattern, no faster than the link can carry its disparities: 30 frames of 640 x 480 a second
   // over USB; over a serial line two bytes of ten bits for a pixel, and what a row's packet adds.
   localparam int UsbRate = ClockHz < 9216000 ? ClockHz : 9216000;
+  localparam int RateBits = $clog2(ClockHz + 1);
   logic pattern_valid, pattern_ready, pattern_sof, pattern_eol;
   logic [7:0] pattern_left, pattern_right;
   test_pattern #(.ClockHz(ClockHz)) u_pattern (
-    .clk_i(clk), .rst_ni(rst_n), .rate_i(serial ? 26'(UartBaud / 24) : 26'(UsbRate)),
-    .width_i(width), .height_i(height), .valid_o(pattern_valid), .ready_i(pattern_ready),
-    .sof_o(pattern_sof), .eol_o(pattern_eol), .left_o(pattern_left), .right_o(pattern_right)
+    .clk_i(clk), .rst_ni(rst_n),
+    .rate_i(serial ? RateBits'(UartBaud / 24) : RateBits'(UsbRate)), .width_i(width),
+    .height_i(height), .valid_o(pattern_valid), .ready_i(pattern_ready), .sof_o(pattern_sof),
+    .eol_o(pattern_eol), .left_o(pattern_left), .right_o(pattern_right)
   );
 
   // Whose pixels go in. What is not chosen is dropped, so that it never holds anything up; a frame
