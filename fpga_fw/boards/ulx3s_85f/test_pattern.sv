@@ -4,35 +4,57 @@
 // Formula   bits      s(n) = s(n - 31) ^ s(n - 28); s(-31) .. s(-1) are Seed, from its highest bit
 //           pixel k   of the frame, in raster order: right = s(8 k) .. s(8 k + 7), the first the
 //                     highest bit
-//           left      right of pixel k - d, 0 if k < d; d = Near where Width / 4 <= x < 3 Width / 4 and
-//                     Height / 4 <= y < 3 Height / 4, else Far
-// Schedule  clock 1 the place of a pixel, clock 2 the pixel; both move on as a pixel is taken
+//           left      right of pixel k - d, 0 if k < d; d = Near where floor(W / 4) <= x < 3 floor(W / 4)
+//                     and floor(H / 4) <= y < 3 floor(H / 4), else Far
+// Schedule  clock 1 the place of a pixel, clock 2 the pixel; both move on as a pixel is taken, but not
+//           more than rate_i times a second
 // Handshake stream (fpga_fw/rtl/fs_stream_fifo.sv).
-// Limits    Far and Near 2 to 63. The first d pixels of a left row are the last of the row above.
+// Limits    Far and Near 2 to 63; width_i, W, 16 to 1280; height_i, H, 4 or more: smaller has no square.
+//           A frame under way when they change is not of either size. The first d pixels of a left row are
+//           the last of the row above.
 module test_pattern #(
-  parameter int Width = 640,
-  parameter int Height = 480,
+  parameter int ClockHz = 100000000,
+  parameter int RateBits = $clog2(ClockHz + 1),
   parameter int Far = 6,
   parameter int Near = 12,
   parameter logic [30:0] Seed = 31'h2C9F_51B3
 ) (
-  input  logic       clk_i,
-  input  logic       rst_ni,
-  output logic       valid_o,
-  input  logic       ready_i,
-  output logic       sof_o,
-  output logic       eol_o,
-  output logic [7:0] left_o,
-  output logic [7:0] right_o
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic [RateBits-1:0] rate_i,  // pixels a second, up to ClockHz
+  input  logic [11:0] width_i,
+  input  logic [11:0] height_i,
+  output logic        valid_o,
+  input  logic        ready_i,
+  output logic        sof_o,
+  output logic        eol_o,
+  output logic [7:0]  left_o,
+  output logic [7:0]  right_o
 );
   // The place of the next pixel.
   logic [11:0] x_q, y_q;
   logic middle_x_q, middle_y_q;
   logic move, last_x, last_y;
   logic begins_q;  // a frame
-  assign move = ~valid_o | ready_i;
-  assign last_x = x_q == 12'(Width - 1);
-  assign last_y = y_q == 12'(Height - 1);
+  logic tick;
+  fs_baud #(.ClockHz(ClockHz), .StepBits(RateBits)) u_rate (
+    .clk_i, .restart_i(~rst_ni), .step_i(rate_i), .tick_o(tick)
+  );
+  assign move = (~valid_o | ready_i) & tick;
+  logic [11:0] last_column_q, last_row_q;
+  logic [9:0] width_4_q, height_4_q;
+  logic [11:0] width_3_4, height_3_4;
+  assign width_3_4 = 12'(width_4_q) + {1'b0, width_4_q, 1'b0};
+  assign height_3_4 = 12'(height_4_q) + {1'b0, height_4_q, 1'b0};
+  always_ff @(posedge clk_i) begin
+    last_column_q <= width_i - 12'd1;
+    last_row_q <= height_i - 12'd1;
+    width_4_q <= width_i[11:2];
+    height_4_q <= height_i[11:2];
+  end
+  // Not ==: the size may have shrunk.
+  assign last_x = x_q >= last_column_q;
+  assign last_y = y_q >= last_row_q;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       x_q <= '0;
@@ -43,12 +65,12 @@ module test_pattern #(
     end else if (move) begin
       begins_q <= last_x & last_y;
       x_q <= last_x ? '0 : x_q + 12'd1;
-      if (x_q == 12'(Width / 4 - 1)) middle_x_q <= 1'b1;
-      if (x_q == 12'(3 * Width / 4 - 1)) middle_x_q <= 1'b0;
+      if (x_q == 12'(width_4_q) - 12'd1) middle_x_q <= 1'b1;
+      if (last_x | x_q == width_3_4 - 12'd1) middle_x_q <= 1'b0;
       if (last_x) begin
         y_q <= last_y ? '0 : y_q + 12'd1;
-        if (y_q == 12'(Height / 4 - 1)) middle_y_q <= 1'b1;
-        if (y_q == 12'(3 * Height / 4 - 1)) middle_y_q <= 1'b0;
+        if (y_q == 12'(height_4_q) - 12'd1) middle_y_q <= 1'b1;
+        if (last_y | y_q == height_3_4 - 12'd1) middle_y_q <= 1'b0;
       end
     end
   end
@@ -66,6 +88,7 @@ module test_pattern #(
   always_ff @(posedge clk_i) begin
     if (!rst_ni) valid_o <= 1'b0;
     else if (move) valid_o <= 1'b1;
+    else if (ready_i) valid_o <= 1'b0;
     if (move) begin
       at_q <= at + 6'd1;
       many_q <= ~begins_q & (many_q | (&at));

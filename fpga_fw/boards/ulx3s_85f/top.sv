@@ -1,32 +1,61 @@
-// ULX3S v3 with LFE5U-85F: the whole pipeline at a pixel per clock, fed with a test pattern. Cameras
-// and the link will take the places of test_pattern and spi_registers.
+// ULX3S v3 with LFE5U-85F: two cameras, the whole pipeline, and the link. README.md says what is
+// wired where, and what switches, buttons and LEDs are for.
 //
-// Pins      led, sw[2:0], FIRE1, FIRE2   frames, errors, signatures: panel
-//           BTN_PWRn                     reset, while it is pressed
-//           spi_*, on GP0 .. GP3         all registers and the meshes: spi_registers
+//   cameras or test pattern -> fs_system -> FT232H in synchronous 245 FIFO mode, or the board's FT231X
+//
 // Clock     25 MHz -> VCO = 50 MHz * PllFeedback (400 to 800 MHz) -> core = VCO / PllDivide.
-//           12 and 6: 100 MHz.  15 and 8: 93.75 MHz.  15 and 6: 125 MHz.
-//           At a pixel per clock 100 MHz are 325 frames of 640 x 480 a second.
-// Reset     until the PLL has locked; released synchronously.
-// Limits    the pattern is Width x Height of the registers after reset; with another WIDTH or HEIGHT
-//           written, its frames are cut or long, and led[7] says so.
+//           12 and 10: 60 MHz.  12 and 6: 100 MHz.
+//           The FT232H and each sensor bring a clock of their own.
+// Reset     until the PLL has locked, and while BTN_PWRn is pressed; released synchronously. The end of
+//           the link that is not chosen is in reset.
+// Limits    UartBaud <= core clock / 32
 module top #(
   parameter int MaxWidth = 640,
   parameter int Disparities = 64,
   parameter int CensusFull = 0,
   parameter int Primitives = 1,  // of the ECP5: fs_add_select
   parameter int PllFeedback = 12,
-  parameter int PllDivide = 6
+  parameter int PllDivide = 10,
+  parameter int UartBaud = 1000000,
+  parameter int SensorWidth = 752,
+  parameter int SensorHeight = 480
 ) (
   input  logic       clk_25mhz,
   input  logic [6:0] btn,
   input  logic [3:0] sw,
   output logic [7:0] led,
-  input  logic       spi_cs_n,
-  input  logic       spi_sclk,
-  input  logic       spi_mosi,
-  output logic       spi_miso
+  output logic       wifi_en,
+  // FT232H.
+  input  logic       ft_clk,
+  input  logic       ft_rxf_n,
+  input  logic       ft_txe_n,
+  output logic       ft_rd_n,
+  output logic       ft_wr_n,
+  output logic       ft_oe_n,
+  output logic       ft_siwu_n,
+  inout  wire  [7:0] ft_d,
+  // FT231X, named from its side.
+  output logic       ftdi_rxd,
+  input  logic       ftdi_txd,
+  // Sensors.
+  output logic       cam_clk,
+  output logic       cam_reset_n,
+  inout  wire        cam_scl,
+  inout  wire        left_sda,
+  inout  wire        right_sda,
+  input  logic       left_pixclk,
+  input  logic       left_fv,
+  input  logic       left_lv,
+  input  logic [7:0] left_d,
+  input  logic       right_pixclk,
+  input  logic       right_fv,
+  input  logic       right_lv,
+  input  logic [7:0] right_d
 );
+  localparam int ClockHz = 50000000 * PllFeedback / PllDivide;
+  if (UartBaud > ClockHz / 32)
+    initial $fatal(1, "top: UartBaud is %0d, allowed: up to %0d", UartBaud, ClockHz / 32);
+
   // The core clock. Phase comparison at 25 MHz; CLKOP, at half of the VCO, is only fed back.
   logic feedback, clk, locked;
   (* FREQUENCY_PIN_CLKI = "25" *)
@@ -47,55 +76,149 @@ module top #(
   logic rst_n;
   assign rst_n = rst_nq[3];
 
+  // What hands do, not synchronous.
+  logic pattern, serial, show_errors, show_overruns;
+  fs_sync #(.Bits(4)) u_hand (
+    .clk_i(clk), .d_i({sw[0], sw[1], btn[1], btn[2]}),
+    .q_o({pattern, serial, show_errors, show_overruns})
+  );
+
+  // The two ends of the link; the one that is chosen.
+  logic rx_valid, rx_ready, tx_valid, tx_ready, usb_rst_nq, serial_rst_nq;
+  logic usb_rx_valid, usb_tx_ready, serial_rx_valid, serial_tx_ready, framing_error, uart_overrun;
+  logic [7:0] rx_data, usb_rx_data, serial_rx_data, usb_data;
+  logic [31:0] tx_data;
+  logic usb_drives, unused_be;
+  always_ff @(posedge clk) begin
+    usb_rst_nq <= rst_n & ~serial;
+    serial_rst_nq <= rst_n & serial;
+  end
+  // Depth: block RAM is scarce, and the rings of the streams are the buffer.
+  fs_link_usb #(.TxDepth(64), .RxDepth(64)) u_usb (
+    .clk_i(clk), .rst_ni(usb_rst_nq), .tx_valid_i(tx_valid & ~serial), .tx_ready_o(usb_tx_ready),
+    .tx_data_i(tx_data), .rx_valid_o(usb_rx_valid), .rx_ready_i(rx_ready & ~serial),
+    .rx_data_o(usb_rx_data), .usb_clk_i(ft_clk), .rxf_ni(ft_rxf_n), .txe_ni(ft_txe_n),
+    .rd_no(ft_rd_n), .wr_no(ft_wr_n), .oe_no(ft_oe_n), .siwu_no(ft_siwu_n), .data_i(ft_d),
+    .be_i(1'b1), .data_o(usb_data), .be_o(unused_be), .data_oe_o(usb_drives)
+  );
+  assign ft_d = usb_drives ? usb_data : 8'bz;
+  fs_link_uart #(.ClockHz(ClockHz)) u_serial (
+    .clk_i(clk), .rst_ni(serial_rst_nq), .tx_valid_i(tx_valid & serial),
+    .tx_ready_o(serial_tx_ready), .tx_data_i(tx_data), .rx_valid_o(serial_rx_valid),
+    .rx_ready_i(rx_ready & serial), .rx_data_o(serial_rx_data), .baud_i(23'(UartBaud)),
+    .rxd_i(ftdi_txd), .txd_o(ftdi_rxd), .framing_error_o(framing_error), .overrun_o(uart_overrun)
+  );
+  assign rx_valid = serial ? serial_rx_valid : usb_rx_valid;
+  assign rx_data = serial ? serial_rx_data : usb_rx_data;
+  assign tx_ready = serial ? serial_tx_ready : usb_tx_ready;
+
+  // The cameras.
+  logic [11:0] width, height;
+  logic cameras_valid, cameras_ready, cameras_sof, cameras_eol, whole_frame;
+  logic [7:0] cameras_left, cameras_right, errors, overruns;
+  fs_cameras #(.SensorWidth(SensorWidth), .SensorHeight(SensorHeight)) u_cameras (
+    .pixclk_i({left_pixclk, right_pixclk}), .frame_valid_i({left_fv, right_fv}),
+    .line_valid_i({left_lv, right_lv}), .data_i({left_d, right_d}), .clk_i(clk), .rst_ni(rst_n),
+    .width_i(width), .height_i(height), .valid_o(cameras_valid), .ready_i(cameras_ready),
+    .sof_o(cameras_sof), .eol_o(cameras_eol), .left_o(cameras_left), .right_o(cameras_right),
+    .frame_o(whole_frame), .errors_o(errors), .overruns_o(overruns)
+  );
+  logic [3:0] index;
+  logic [7:0] sensor_register;
+  logic [15:0] sensor_value;
+  logic sensor_last, scl_low, sda_low;
+  logic [1:0] answered;
+  fs_mt9v034 u_table (
+    .index_i(index), .register_o(sensor_register), .value_o(sensor_value), .last_o(sensor_last)
+  );
+  fs_sensor_setup #(.ClockHz(ClockHz)) u_setup (
+    .clk_i(clk), .rst_ni(rst_n), .frame_i(whole_frame), .answered_o(answered), .index_o(index),
+    .register_i(sensor_register), .value_i(sensor_value), .last_i(sensor_last),
+    .sensor_rst_no(cam_reset_n), .scl_low_o(scl_low), .sda_low_o(sda_low),
+    .sda_i({left_sda, right_sda})
+  );
+  assign cam_clk = clk_25mhz;
+  assign cam_scl = scl_low ? 1'b0 : 1'bz;
+  assign left_sda = sda_low ? 1'b0 : 1'bz;
+  assign right_sda = sda_low ? 1'b0 : 1'bz;
+
+  // The pattern, no faster than the link can carry its disparities: 30 frames of 640 x 480 a second
+  // over USB; over a serial line two bytes of ten bits for a pixel, and what a row's packet adds.
+  localparam int UsbRate = ClockHz < 9216000 ? ClockHz : 9216000;
+  localparam int RateBits = $clog2(ClockHz + 1);
+  logic pattern_valid, pattern_ready, pattern_sof, pattern_eol;
+  logic [7:0] pattern_left, pattern_right;
+  test_pattern #(.ClockHz(ClockHz)) u_pattern (
+    .clk_i(clk), .rst_ni(rst_n),
+    .rate_i(serial ? RateBits'(UartBaud / 24) : RateBits'(UsbRate)), .width_i(width),
+    .height_i(height), .valid_o(pattern_valid), .ready_i(pattern_ready), .sof_o(pattern_sof),
+    .eol_o(pattern_eol), .left_o(pattern_left), .right_o(pattern_right)
+  );
+
+  // Whose pixels go in. What is not chosen is dropped, so that it never holds anything up; a frame
+  // that the switch cuts is marked as such.
   logic raw_valid, raw_ready, raw_sof, raw_eol;
   logic [7:0] raw_left, raw_right;
-  test_pattern #(
-    .Width(MaxWidth < fs_pkg::RegWidthReset ? MaxWidth : fs_pkg::RegWidthReset),
-    .Height(fs_pkg::RegHeightReset)
-  ) u_pattern (
-    .clk_i(clk), .rst_ni(rst_n), .valid_o(raw_valid), .ready_i(raw_ready), .sof_o(raw_sof),
-    .eol_o(raw_eol), .left_o(raw_left), .right_o(raw_right)
-  );
+  assign {raw_valid, raw_sof, raw_eol, raw_left, raw_right} = pattern
+      ? {pattern_valid, pattern_sof, pattern_eol, pattern_left, pattern_right}
+      : {cameras_valid, cameras_sof, cameras_eol, cameras_left, cameras_right};
+  assign cameras_ready = raw_ready | pattern;
+  assign pattern_ready = raw_ready | ~pattern;
 
-  // The register bus: what the pins ask for goes before what the LEDs do.
-  logic write, pins_read, panel_read;
-  logic [7:0] pins_address, panel_address;
-  logic [31:0] write_data, read_data;
-  assign panel_read = ~write & ~pins_read;
-  spi_registers u_pins (
-    .clk_i(clk), .rst_ni(rst_n),
-    .cs_ni(spi_cs_n), .sclk_i(spi_sclk), .mosi_i(spi_mosi), .miso_o(spi_miso),
-    .write_o(write), .read_o(pins_read), .address_o(pins_address), .data_o(write_data),
-    .data_i(read_data)
-  );
-
-  logic valid, sof, eol, eof, bad, read_valid;
-  logic [15:0] disparity;
-  logic [64:0] unused_link;
-  fs_top #(
+  // RingRows: what is left of 208 block RAMs.
+  fs_system #(
     .MaxWidth(MaxWidth), .Disparities(Disparities), .CensusFull(CensusFull),
-    .Primitives(Primitives)
-  ) u_top (
-    .clk_i(clk), .rst_ni(rst_n),
-    .write_i(write), .read_i(1'b1), .address_i(panel_read ? panel_address : pins_address),
-    .data_i(write_data),
-    .read_valid_o(read_valid), .data_o(read_data),
+    .Primitives(Primitives), .ClockHz(ClockHz), .RingRows(3)
+  ) u_system (
+    .clk_i(clk), .rst_ni(rst_n), .rx_valid_i(rx_valid), .rx_ready_o(rx_ready),
+    .rx_data_i(rx_data), .tx_valid_o(tx_valid), .tx_ready_i(tx_ready), .tx_data_o(tx_data),
     .valid_i(raw_valid), .ready_o(raw_ready), .sof_i(raw_sof), .eol_i(raw_eol),
-    .left_i(raw_left), .right_i(raw_right),
-    .valid_o(valid), .ready_i(1'b1), .sof_o(sof), .eol_o(eol), .eof_o(eof), .bad_o(bad),
-    .disparity_o(disparity), .room_i(1'b1), .bubble_room_i(1'b1),
-    .applied_o(unused_link[0]), .frame_in_o(unused_link[1]), .cut_frame_o(unused_link[2]),
-    .long_frame_o(unused_link[3]), .width_o(unused_link[15:4]), .height_o(unused_link[27:16]),
-    .raw_valid_o(unused_link[28]), .raw_sof_o(unused_link[29]), .raw_left_o(unused_link[37:30]),
-    .raw_right_o(unused_link[45:38]), .rectified_valid_o(unused_link[46]),
-    .rectified_sof_o(unused_link[47]), .rectified_error_o(unused_link[48]),
-    .rectified_left_o(unused_link[56:49]), .rectified_right_o(unused_link[64:57])
+    .left_i(raw_left), .right_i(raw_right), .width_o(width), .height_o(height)
   );
-  panel u_panel (
-    .clk_i(clk), .rst_ni(rst_n), .read_i(panel_read), .address_o(panel_address), .data_i(read_data),
-    .eof_i(valid & eof), .bad_i(bad), .sw_i(sw[2:0]), .fire_i(btn[2:1]), .led_o(led)
+
+  // LEDs.
+  logic [9:0] ft_count_q;  // the FT232H's clock runs
+  always_ff @(posedge ft_clk) ft_count_q <= ft_count_q + 10'd1;
+  logic ft_seen, ft_seen_q;
+  fs_sync u_ft_seen (.clk_i(clk), .d_i(ft_count_q[9]), .q_o(ft_seen));
+  logic trouble, begins;
+  assign begins = raw_valid & raw_ready & raw_sof;
+  logic [7:0] errors_q, overruns_q;
+  logic [4:0] frames_q;
+  logic [$clog2(ClockHz)-1:0] second_q;
+  always_ff @(posedge clk) begin
+    ft_seen_q <= ft_seen;
+    errors_q <= errors;
+    overruns_q <= overruns;
+    if (!rst_n) begin
+      frames_q <= '0;
+      second_q <= '0;
+    end else begin
+      frames_q <= frames_q + 5'(begins);
+      second_q <= second_q == $clog2(ClockHz)'(ClockHz - 1) ? '0 : second_q + 1'b1;
+    end
+  end
+  assign trouble = errors != errors_q | overruns != overruns_q | framing_error | uart_overrun;
+  logic [3:0] seen;
+  held #(.Clocks(ClockHz / 10)) u_line (
+    .clk_i(clk), .rst_ni(rst_n), .event_i(serial | (ft_seen ^ ft_seen_q)), .seen_o(seen[0])
   );
+  held #(.Clocks(ClockHz / 10)) u_from_host (
+    .clk_i(clk), .rst_ni(rst_n), .event_i(rx_valid & rx_ready), .seen_o(seen[1])
+  );
+  held #(.Clocks(ClockHz / 10)) u_to_host (
+    .clk_i(clk), .rst_ni(rst_n), .event_i(tx_valid & tx_ready), .seen_o(seen[2])
+  );
+  held #(.Clocks(ClockHz / 2)) u_trouble (
+    .clk_i(clk), .rst_ni(rst_n), .event_i(trouble), .seen_o(seen[3])
+  );
+  always_ff @(posedge clk) begin
+    if (show_errors) led <= errors;
+    else if (show_overruns) led <= overruns;
+    else led <= {seen[3], frames_q[4], answered, seen[2:0], second_q < $clog2(ClockHz)'(ClockHz / 2)};
+  end
+  assign wifi_en = 1'b0;  // the ESP32 shares pins with the right camera
 
   logic unused;
-  assign unused = ^{btn[6:3], sw[3], read_valid, sof, eol, disparity};
+  assign unused = ^{btn[6:3], sw[3:2], unused_be};
 endmodule

@@ -1,0 +1,135 @@
+// Two sensors with a common clock: pixel by pixel into one stream of pairs, of the pipeline's size.
+//
+// Formula   the middle of the sensors' images: columns from floor((SensorWidth - width_i) / 2) on, rows
+//           from floor((SensorHeight - height_i) / 2) on; what is beyond is dropped
+// C++ twin  test/rtl/link/camera_test.cpp
+// Schedule  clock 1 both words are at the head, are what must come, and move; clock 2 the pair
+// Latency   1 clock behind fs_camera
+// Handshake streams. Each sensor must give frames of exactly SensorHeight lines of exactly SensorWidth
+//           pixels. The first of a pair waits for the other for MaxSkew clocks. Anything else is an
+//           error: error_o for a clock, and both are dropped up to where frames begin that are no
+//           more than MaxSkew clocks apart.
+//           The last pixel of a frame goes out only when all of both sensors' frames has come and was
+//           right. A frame with an error, even below its last row, is one that is cut: fs_input
+//           completes and marks it. So rows that are none of a pair never pass for one.
+// Limits    MaxSkew: less than the time of a line. width_i, height_i: taken over where a frame begins;
+//           larger than the sensor's, all frames are cut.
+module fs_camera_pair #(
+  parameter int SensorWidth = 752,
+  parameter int SensorHeight = 480,
+  parameter int MaxSkew = 128
+) (
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic [11:0] width_i,
+  input  logic [11:0] height_i,
+  // From fs_camera: {left, right}.
+  input  logic [1:0]  valid_i,
+  output logic [1:0]  ready_o,
+  input  logic [1:0]  sof_i,
+  input  logic [1:0]  eol_i,
+  input  logic [1:0]  eof_i,
+  input  logic [15:0] data_i,
+  output logic        error_o,
+  output logic        frame_o,  // a frame was whole: a pulse
+  // The pairs.
+  output logic        valid_o,
+  input  logic        ready_i,
+  output logic        sof_o,
+  output logic        eol_o,
+  output logic [7:0]  left_o,
+  output logic [7:0]  right_o
+);
+  localparam int SkewBits = $clog2(MaxSkew + 1);
+  if (SensorWidth < 16 || SensorWidth > 2048 || SensorHeight < 1 || SensorHeight > 2048)
+    initial $fatal(1, "fs_camera_pair: the sensor is %0d x %0d, allowed: 16 x 1 to 2048 x 2048",
+                   SensorWidth, SensorHeight);
+
+  // The place of the next pair, and the window.
+  logic synced_q;  // the words at the heads are of one frame, or of the two that begin next
+  logic first_q, last_x_q, last_y_q;
+  logic [11:0] x_q, y_q;
+  logic [11:0] left, top, left_q, top_q, right_q, bottom_q;
+  assign left = width_i > 12'(SensorWidth) ? '0 : (12'(SensorWidth) - width_i) >> 1;
+  assign top = height_i > 12'(SensorHeight) ? '0 : (12'(SensorHeight) - height_i) >> 1;
+  always_ff @(posedge clk_i) begin
+    if (first_q) begin
+      left_q <= left;
+      top_q <= top;
+      right_q <= left + width_i - 12'd1;
+      bottom_q <= top + height_i - 12'd1;
+    end
+  end
+
+  // What the two words at the heads are.
+  logic room, both, alone, right_words, waited, take, fails, starts;
+  logic [1:0] begins;
+  logic [SkewBits-1:0] skew_q;
+  assign room = ~valid_o | ready_i;
+  assign both = &valid_i;
+  assign begins = valid_i & sof_i;
+  assign right_words = sof_i == {2{first_q}} & eol_i == {2{last_x_q}} &
+                       eof_i == {2{last_x_q & last_y_q}};
+  assign alone = synced_q ? ^valid_i : ^begins;
+  assign waited = alone & skew_q == SkewBits'(MaxSkew);
+  assign take = synced_q & both & right_words & room;
+  assign fails = synced_q & ((both & ~right_words) | waited);
+  assign starts = ~synced_q & (&begins);
+  // Out of step, all but the first words of frames is dropped. What has waited too long is, too.
+  assign ready_o = (synced_q ? {2{take}} : ~begins) | {2{waited}};
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni) begin
+      synced_q <= 1'b0;
+      skew_q <= '0;
+      error_o <= 1'b0;
+    end else begin
+      if (fails) synced_q <= 1'b0;
+      else if (starts) synced_q <= 1'b1;
+      skew_q <= alone & ~waited ? skew_q + 1'b1 : '0;
+      error_o <= fails | waited;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni | fails | starts) begin
+      x_q <= '0;
+      y_q <= '0;
+      first_q <= 1'b1;
+      last_x_q <= 1'b0;
+      last_y_q <= SensorHeight == 1;
+    end else if (take) begin
+      x_q <= last_x_q ? '0 : x_q + 12'd1;
+      first_q <= last_x_q & last_y_q;
+      last_x_q <= x_q == 12'(SensorWidth - 2);
+      if (last_x_q) begin
+        y_q <= last_y_q ? '0 : y_q + 12'd1;
+        last_y_q <= last_y_q ? SensorHeight == 1 : y_q == 12'(SensorHeight - 2);
+      end
+    end
+  end
+
+  // The window. Its last pixel waits for the rest of the sensors' frames.
+  logic shown, corner, whole, kept_q, passes;
+  logic [15:0] kept_data_q;
+  assign shown = x_q >= left_q & x_q <= right_q & y_q >= top_q & y_q <= bottom_q;
+  assign corner = x_q == right_q & y_q == bottom_q;
+  assign whole = last_x_q & last_y_q;
+  assign passes = take & (whole ? corner | kept_q : shown & ~corner);
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni) begin
+      valid_o <= 1'b0;
+      kept_q <= 1'b0;
+      frame_o <= 1'b0;
+    end else begin
+      if (room) valid_o <= passes;
+      if (fails | (take & whole)) kept_q <= 1'b0;
+      else if (take & corner) kept_q <= 1'b1;
+      frame_o <= take & whole;
+    end
+    if (take & corner) kept_data_q <= data_i;
+    if (passes) begin
+      sof_o <= x_q == left_q & y_q == top_q;
+      eol_o <= x_q == right_q | last_x_q;
+      {left_o, right_o} <= kept_q ? kept_data_q : data_i;
+    end
+  end
+endmodule

@@ -1,0 +1,78 @@
+// Two sensors: from their ports to the pairs that fs_system takes.
+//
+//   fs_camera, fs_camera -> fs_camera_pair -> a FIFO of Depth pairs
+//
+// Formula   fs_camera_pair
+// C++ twin  test/rtl/link/camera_test.cpp
+// Schedule  theirs
+// Latency   from a pixel at the pins 3 clocks of its clock and some 9 of clk_i
+// Handshake stream out. fs_input holds it up where a frame comes before a row of ticks is complete: a
+//           row of clocks at most, some 270 pixels of 25 MHz where clk_i has 60. Depth is for that.
+//           It is held up longer, up to 41 rows of clocks, where a configuration is taken over while a
+//           line that is slow still has the frame before: then a frame is lost.
+//           errors_o, overruns_o: frames that were not whole, that found no room, modulo 256.
+// Limits    pixels come at no more than a third of clk_i's rate
+module fs_cameras #(
+  parameter int SensorWidth = 752,
+  parameter int SensorHeight = 480,
+  parameter int MaxSkew = 128,
+  parameter int Depth = 1024
+) (
+  // The ports: {left, right}.
+  input  logic [1:0]  pixclk_i,
+  input  logic [1:0]  frame_valid_i,
+  input  logic [1:0]  line_valid_i,
+  input  logic [15:0] data_i,
+  // The pairs.
+  input  logic        clk_i,
+  input  logic        rst_ni,
+  input  logic [11:0] width_i,
+  input  logic [11:0] height_i,
+  output logic        valid_o,
+  input  logic        ready_i,
+  output logic        sof_o,
+  output logic        eol_o,
+  output logic [7:0]  left_o,
+  output logic [7:0]  right_o,
+  output logic        frame_o,    // both sensors' frames were whole: a pulse
+  output logic [7:0]  errors_o,
+  output logic [7:0]  overruns_o
+);
+  logic [1:0] valid, ready, sof, eol, eof, overrun;
+  logic [15:0] data;
+  for (genvar k = 0; k < 2; k++) begin : g_camera
+    fs_camera u_camera (
+      .pixclk_i(pixclk_i[k]), .frame_valid_i(frame_valid_i[k]), .line_valid_i(line_valid_i[k]),
+      .data_i(data_i[8*k+:8]), .clk_i, .rst_ni, .valid_o(valid[k]), .ready_i(ready[k]),
+      .sof_o(sof[k]), .eol_o(eol[k]), .eof_o(eof[k]), .data_o(data[8*k+:8]),
+      .overrun_o(overrun[k])
+    );
+  end
+
+  logic pair_valid, pair_ready, pair_sof, pair_eol, error;
+  logic [7:0] pair_left, pair_right;
+  fs_camera_pair #(
+    .SensorWidth(SensorWidth), .SensorHeight(SensorHeight), .MaxSkew(MaxSkew)
+  ) u_pair (
+    .clk_i, .rst_ni, .width_i, .height_i, .valid_i(valid), .ready_o(ready), .sof_i(sof),
+    .eol_i(eol), .eof_i(eof), .data_i(data), .error_o(error), .frame_o, .valid_o(pair_valid),
+    .ready_i(pair_ready), .sof_o(pair_sof), .eol_o(pair_eol), .left_o(pair_left),
+    .right_o(pair_right)
+  );
+  // Of one clock: it is the FIFO that has block RAM.
+  fs_async_fifo #(.Bits(18), .Depth(Depth)) u_fifo (
+    .wr_clk_i(clk_i), .wr_rst_ni(rst_ni), .wr_valid_i(pair_valid), .wr_ready_o(pair_ready),
+    .wr_data_i({pair_sof, pair_eol, pair_left, pair_right}), .rd_clk_i(clk_i), .rd_rst_ni(rst_ni),
+    .rd_valid_o(valid_o), .rd_ready_i(ready_i), .rd_data_o({sof_o, eol_o, left_o, right_o})
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni) begin
+      errors_o <= '0;
+      overruns_o <= '0;
+    end else begin
+      errors_o <= errors_o + 8'(error);
+      overruns_o <= overruns_o + 8'(overrun[0]) + 8'(overrun[1]);
+    end
+  end
+endmodule

@@ -1,0 +1,414 @@
+// fs_cameras between two sensors that are not always well and a stream that is not always ready;
+// fs_sensor_setup with two sensors on its buses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "Cameras.h"
+#include "SensorSetup.h"
+#include "rtl/link/sensor_port.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+constexpr int kWidth = 20, kHeight = 6;  // of the sensors
+constexpr int kMaxSkew = 40;             // clocks
+constexpr int kLeft = 1, kRight = 0;     // in the vectors of ports
+
+struct Pair {
+  bool sof, eol;
+  std::uint8_t left, right;
+  bool operator==(const Pair& other) const {
+    return sof == other.sof && eol == other.eol && left == other.left && right == other.right;
+  }
+};
+using Frame = std::vector<Pair>;
+
+class CamerasRig {
+ public:
+  CamerasRig(int width, int height, unsigned seed) : random(seed) {
+    model.width_i = width, model.height_i = height;
+    for (auto& next : next_) next = random() % 400;
+    model.rst_ni = 0;
+    run(100);
+    model.rst_ni = 1;
+    run(100);
+  }
+
+  /// Two frames at random, the same number of clocks later than what came before.
+  std::pair<cv::Mat1b, cv::Mat1b> images() {
+    cv::Mat1b left(kHeight, kWidth), right(kHeight, kWidth);
+    for (auto& pixel : left) pixel = static_cast<std::uint8_t>(random());
+    for (auto& pixel : right) pixel = static_cast<std::uint8_t>(random());
+    return {left, right};
+  }
+  /// A pair of frames; gives what must come out.
+  Frame send() {
+    const auto [left, right] = images();
+    sensors[kLeft].frame(left, blanking);
+    sensors[kRight].frame(right, blanking);
+    return expected(left, right);
+  }
+  Frame expected(const cv::Mat1b& left, const cv::Mat1b& right) const {
+    const int w = model.width_i, h = model.height_i;
+    const int x0 = (kWidth - w) / 2, y0 = (kHeight - h) / 2;
+    Frame frame;
+    for (int y = 0; y < h; ++y) {
+      for (int x = 0; x < w; ++x) {
+        frame.push_back(
+            {x == 0 && y == 0, x == w - 1, left(y0 + y, x0 + x), right(y0 + y, x0 + x)});
+      }
+    }
+    return frame;
+  }
+
+  /// Until all has been sent, and what waits has come out.
+  void finish() {
+    for (int i = 0; i < 20000 && !(sensors[0].done() && sensors[1].done()); ++i) run(10);
+    ASSERT_TRUE(sensors[0].done() && sensors[1].done());
+    run(3000);
+  }
+  void run(int edges) {
+    for (; edges > 0; --edges) step();
+  }
+  /// What came out, split at sof; those that pipeline would call whole.
+  std::vector<Frame> whole_frames() const {
+    std::vector<Frame> frames;
+    for (const Pair& pair : out) {
+      if (pair.sof) frames.emplace_back();
+      if (!frames.empty()) frames.back().push_back(pair);
+    }
+    const auto pixels = static_cast<std::size_t>(model.width_i * model.height_i);
+    frames.erase(std::remove_if(frames.begin(), frames.end(),
+                                [&](const Frame& frame) { return frame.size() < pixels; }),
+                 frames.end());
+    return frames;
+  }
+
+  Cameras model;
+  std::mt19937 random;
+  SensorPort sensors[2];
+  SensorPort::Blanking blanking;
+  std::vector<Pair> out;
+  double ready_chance = 1;
+  bool pixclk_runs[2] = {true, true};
+  int whole = 0;  // pulses of frame_o
+
+ private:
+  /// On to the next rising edge: 0, 1 a sensor's, 2 the core's.
+  void step() {
+    const auto which = std::min_element(next_, next_ + 3) - next_;
+    next_[which] += which == 2 ? 97 + random() % 6 : 400;
+    model.eval();
+    const bool taken = model.valid_o && model.ready_i;
+    if (which == 2) {
+      if (taken) {
+        out.push_back({model.sof_o != 0, model.eol_o != 0, model.left_o, model.right_o});
+      }
+      whole += model.frame_o;
+      model.clk_i = 1;
+    } else if (pixclk_runs[which]) {
+      model.pixclk_i |= 1 << which;
+    }
+    model.eval();
+    model.clk_i = 0, model.pixclk_i = 0;
+    model.eval();
+    if (which == 2) {
+      model.ready_i = random() < ready_chance * 4294967296.;
+    } else if (pixclk_runs[which]) {
+      const SensorPort::Pins pins = sensors[which].next();
+      const unsigned bit = 1U << which;
+      model.frame_valid_i = (model.frame_valid_i & ~bit) | (pins.frame ? bit : 0);
+      model.line_valid_i = (model.line_valid_i & ~bit) | (pins.line ? bit : 0);
+      model.data_i = (model.data_i & ~(0xFF << 8 * which)) | pins.data << 8 * which;
+    }
+    model.eval();
+  }
+
+  std::uint64_t next_[3] = {0, 0, 0};
+};
+
+TEST(RtlCameras, TheMiddleOfEveryPairComesOut) {
+  const int sizes[][2] = {{20, 6}, {16, 4}, {17, 5}, {19, 1}, {20, 3}, {16, 6}};
+  for (unsigned seed = 0; seed < 36; ++seed) {
+    SCOPED_TRACE(seed);
+    CamerasRig rig(sizes[seed % 6][0], sizes[seed % 6][1], seed);
+    rig.ready_chance = seed % 4 == 0 ? 0.5 : 1;
+    rig.blanking = {static_cast<int>(1 + rig.random() % 5), static_cast<int>(1 + rig.random() % 9),
+                    static_cast<int>(1 + rig.random() % 60)};
+    // One starts a few clocks behind the other.
+    rig.sensors[seed / 6 % 2].idle(static_cast<int>(rig.random() % 9));
+    std::vector<Frame> expected;
+    for (int i = 0; i < 4; ++i) expected.push_back(rig.send());
+    rig.finish();
+    ASSERT_EQ(rig.whole_frames(), expected);
+    std::size_t pixels = 0;
+    for (const Frame& frame : expected) pixels += frame.size();
+    EXPECT_EQ(rig.out.size(), pixels);
+    EXPECT_EQ(rig.whole, 4);
+    EXPECT_EQ(rig.model.errors_o, 0);
+    EXPECT_EQ(rig.model.overruns_o, 0);
+  }
+}
+
+enum class Fault { kLostLine, kLostPixel, kSurplusPixel, kSplitLine, kSurplusLine, kFrameGlitch };
+
+void damaged(SensorPort& sensor, const cv::Mat1b& image, const SensorPort::Blanking& blanking,
+             Fault fault, int row) {
+  sensor.blank(blanking.before_first);
+  for (int y = 0; y < image.rows; ++y) {
+    const std::uint8_t* const pixels = image[y];
+    if (y != row) {
+      sensor.line(pixels, kWidth);
+    } else {
+      switch (fault) {
+        case Fault::kLostLine:
+          sensor.blank(kWidth);
+          break;
+        case Fault::kLostPixel:
+          sensor.line(pixels, kWidth - 1);
+          sensor.blank(1);
+          break;
+        case Fault::kSurplusPixel:
+          sensor.line(pixels, kWidth);
+          sensor.line(pixels, 1);
+          break;
+        case Fault::kSplitLine:
+          sensor.line(pixels, 7);
+          sensor.blank(1);
+          sensor.line(pixels + 8, kWidth - 8);
+          break;
+        case Fault::kSurplusLine:
+          sensor.line(pixels, kWidth);
+          sensor.blank(blanking.lines);
+          sensor.line(pixels, kWidth);
+          break;
+        case Fault::kFrameGlitch:
+          sensor.line(pixels, 5);
+          sensor.idle(1);
+          sensor.line(pixels + 6, kWidth - 6);
+          break;
+      }
+    }
+    sensor.blank(blanking.lines);
+  }
+  sensor.idle(blanking.frame);
+}
+
+TEST(RtlCameras, AFrameThatOneSensorDamagesIsNeverWhole) {
+  // 4 of 6 rows: the first and the last one are no part of what is shown, and yet count.
+  for (const int height : {6, 4}) {
+    for (int fault = 0; fault <= static_cast<int>(Fault::kFrameGlitch); ++fault) {
+      for (int row = 0; row < kHeight; ++row) {
+        for (int who = 0; who < 3; ++who) {  // 2: both alike
+          SCOPED_TRACE(testing::Message() << height << " rows, fault " << fault << " in row " << row
+                                          << " of sensor " << who);
+          CamerasRig rig(16, height, fault * 100 + row * 10 + who);
+          rig.blanking.frame = 200;
+          std::vector<Frame> expected = {rig.send()};
+          const auto [left, right] = rig.images();
+          for (const int k : {kLeft, kRight}) {
+            const cv::Mat1b& image = k == kLeft ? left : right;
+            if (who == k || who == 2) {
+              damaged(rig.sensors[k], image, rig.blanking, static_cast<Fault>(fault), row);
+            } else {
+              rig.sensors[k].frame(image, rig.blanking);
+            }
+          }
+          // The one that has been slower is caught up with in the blanking.
+          if (who != 2) rig.sensors[1 - who].idle(static_cast<int>(fault == 4) * (kWidth + 4));
+          if (who != 2) rig.sensors[1 - who].idle(static_cast<int>(fault == 2));
+          expected.push_back(rig.send());
+          rig.finish();
+          ASSERT_EQ(rig.whole_frames(), expected);
+          EXPECT_GT(rig.model.errors_o, 0);
+        }
+      }
+    }
+  }
+}
+
+TEST(RtlCameras, FramesOfDifferentExposuresAreNoPair) {
+  for (const int who : {kLeft, kRight}) {
+    CamerasRig rig(16, 4, who);
+    std::vector<Frame> expected = {rig.send(), rig.send()};
+    // One sensor leaves a frame out.
+    const auto [left, right] = rig.images();
+    rig.sensors[1 - who].frame(left, rig.blanking);
+    rig.sensors[who].idle(3 + kHeight * (kWidth + 4) + 40);
+    expected.push_back(rig.send());
+    // One comes too late, and so do all behind it; in step again they are a pair.
+    rig.sensors[who].idle(kMaxSkew / 4 + 5);
+    rig.send(), rig.send();
+    rig.sensors[1 - who].idle(kMaxSkew / 4 + 5);
+    expected.push_back(rig.send());
+    rig.finish();
+    EXPECT_EQ(rig.whole_frames(), expected);
+    EXPECT_GE(rig.model.errors_o, 3);
+    // One stops in the middle of a line, for some frames.
+    rig.send();
+    rig.run(2000);
+    rig.pixclk_runs[who] = false;
+    for (int i = 0; i < 3; ++i) rig.sensors[1 - who].frame(left, rig.blanking);
+    rig.run(20000);
+    EXPECT_TRUE(rig.sensors[1 - who].done());
+    rig.pixclk_runs[who] = true;
+    rig.finish();
+    rig.out.clear();
+    const Frame last = rig.send();
+    rig.finish();
+    EXPECT_EQ(rig.whole_frames(), std::vector<Frame>{last});
+  }
+}
+
+TEST(RtlCameras, WhatWaitsTooLongIsLostAndAllElseRight) {
+  CamerasRig rig(20, 6, 5);
+  rig.model.rst_ni = 1;
+  // As long as the FIFO has room nothing is lost: 128 pairs, and those before it.
+  rig.ready_chance = 0;
+  std::vector<Frame> expected = {rig.send()};
+  rig.finish();
+  rig.ready_chance = 1;
+  rig.run(1000);
+  expected.push_back(rig.send());
+  rig.finish();
+  EXPECT_EQ(rig.whole_frames(), expected);
+  EXPECT_EQ(rig.model.overruns_o, 0);
+  EXPECT_EQ(rig.model.errors_o, 0);
+  // More is: whole frames that do come out are those that were sent, in order.
+  std::vector<Frame> sent;
+  rig.out.clear();
+  for (int i = 0; i < 12; ++i) sent.push_back(rig.send());
+  for (int i = 0; i < 400; ++i) {
+    rig.ready_chance = i % 40 < 22 ? 0 : 1;
+    rig.run(100);
+  }
+  rig.ready_chance = 1;
+  rig.finish();
+  EXPECT_GT(rig.model.overruns_o, 0);
+  const auto whole = rig.whole_frames();
+  EXPECT_GT(whole.size(), 2U);
+  EXPECT_LT(whole.size(), sent.size());
+  auto from = sent.begin();
+  for (const Frame& frame : whole) {
+    from = std::find(from, sent.end(), frame);
+    ASSERT_NE(from, sent.end()) << "a frame that nobody sent";
+    ++from;
+  }
+  rig.out.clear();
+  const Frame last = rig.send();
+  rig.finish();
+  EXPECT_EQ(rig.whole_frames(), std::vector<Frame>{last});
+}
+
+TEST(RtlCameras, AnotherSizeIsThatOfTheNextFrame) {
+  CamerasRig rig(20, 6, 6);
+  EXPECT_EQ((rig.finish(), rig.send(), rig.finish(), rig.whole_frames().size()), 1U);
+  rig.out.clear();
+  rig.model.width_i = 16, rig.model.height_i = 2;
+  const Frame smaller = rig.send();
+  rig.finish();
+  EXPECT_EQ(rig.whole_frames(), std::vector<Frame>{smaller});
+  // Larger than the sensors: no frame is whole.
+  rig.out.clear();
+  rig.model.width_i = 21, rig.model.height_i = 6;
+  rig.sensors[0].idle(1), rig.sensors[1].idle(1);
+  const auto [left, right] = rig.images();
+  rig.sensors[kLeft].frame(left, rig.blanking);
+  rig.sensors[kRight].frame(right, rig.blanking);
+  rig.finish();
+  EXPECT_TRUE(rig.whole_frames().empty());
+}
+
+/// The board's end of two buses: a quarter of a bit is 4 clocks, a millisecond 400.
+class SetupRig {
+ public:
+  using Writes = std::vector<std::pair<int, int>>;
+
+  SetupRig(std::uint8_t left, std::uint8_t right)
+      : sensors{TwoWireSensor(right), TwoWireSensor(left)} {
+    clock(4);
+    model.rst_ni = 1;
+  }
+  void clock(int clocks) {
+    for (; clocks > 0; --clocks) {
+      model.register_i = 0x30 + model.index_o;
+      model.value_i = 0xA55A ^ (model.index_o << 6);
+      model.last_i = model.index_o == 2;
+      bool pulls[2];
+      for (int k = 0; k < 2; ++k) {
+        pulls[k] = sensors[k].clock(!model.scl_low_o, !model.sda_low_o && !pulls_[k]);
+      }
+      for (int k = 0; k < 2; ++k) pulls_[k] = pulls[k] && connected[k];
+      model.sda_i = (model.sda_low_o || pulls_[0] ? 0 : 1) | (model.sda_low_o || pulls_[1] ? 0 : 2);
+      if (!model.sensor_rst_no) ++reset_clocks;
+      model.eval();
+      model.clk_i = 1;
+      model.eval();
+      model.clk_i = 0;
+      model.eval();
+    }
+  }
+  void ms(int ms) { clock(400 * ms); }
+
+  SensorSetup model;
+  TwoWireSensor sensors[2];
+  bool connected[2] = {true, true};
+  int reset_clocks = 0;
+
+ private:
+  bool pulls_[2] = {false, false};
+};
+
+const SetupRig::Writes kWritten = {{0x30, 0xA55A}, {0x31, 0xA51A}, {0x32, 0xA5DA}};
+
+TEST(RtlSensorSetup, WritesTheTableToBoth) {
+  SetupRig rig(0x48, 0x48);
+  rig.ms(10);
+  EXPECT_EQ(rig.model.answered_o, 3);
+  EXPECT_EQ(rig.sensors[0].writes, kWritten);
+  EXPECT_EQ(rig.sensors[1].writes, kWritten);
+  EXPECT_GE(rig.reset_clocks, 400);
+  EXPECT_LE(rig.reset_clocks, 820);
+  EXPECT_EQ(rig.sensors[0].shortest, 8);  // half a bit
+  // While frames come it rests; then all again.
+  for (int i = 0; i < 10; ++i) {
+    rig.ms(15);
+    rig.model.frame_i = 1;
+    rig.clock(1);
+    rig.model.frame_i = 0;
+  }
+  EXPECT_EQ(rig.sensors[0].writes, kWritten);
+  rig.ms(30);
+  EXPECT_EQ(rig.sensors[0].writes.size(), 6U);
+  EXPECT_EQ(rig.sensors[1].writes.size(), 6U);
+  EXPECT_GE(rig.reset_clocks, 800);
+}
+
+TEST(RtlSensorSetup, FindsTheAddress) {
+  for (const int address : {0x4C, 0x58, 0x5C}) {
+    SetupRig rig(address, address);
+    rig.ms(350);
+    EXPECT_EQ(rig.model.answered_o, 3);
+    EXPECT_GE(rig.sensors[0].writes.size(), 3U);
+    EXPECT_EQ(SetupRig::Writes(rig.sensors[1].writes.begin(), rig.sensors[1].writes.begin() + 3),
+              kWritten);
+  }
+}
+
+TEST(RtlSensorSetup, SaysWhichDoesNotAnswer) {
+  for (const int missing : {0, 1}) {
+    SetupRig rig(0x48, 0x48);
+    rig.connected[missing] = false;
+    rig.ms(50);
+    EXPECT_EQ(rig.model.answered_o, 3 & ~(1 << missing));
+    rig.connected[missing] = true;
+    rig.ms(500);
+    EXPECT_EQ(rig.model.answered_o, 3);
+  }
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test
