@@ -1,17 +1,19 @@
-// A stereo pair without cameras: noise in the right image, and the same noise moved by a disparity in
-// the left one; a square in the middle is nearer than the rest. All frames are alike.
+// A stereo pair without cameras: noise in the right image, and the same noise moved by a
+// disparity in the left one; a square in the middle is nearer than the rest. All frames are
+// alike.
 //
-// Formula   bits      s(n) = s(n - 31) ^ s(n - 28); s(-31) .. s(-1) are Seed, from its highest bit
+// Formula   bits      s(n) = s(n - 31) ^ s(n - 28); s(-31) .. s(-1) are Seed, from its highest
+//                     bit
 //           pixel k   of the frame, in raster order: right = s(8 k) .. s(8 k + 7), the first the
 //                     highest bit
-//           left      right of pixel k - d, 0 if k < d; d = Near where floor(W / 4) <= x < 3 floor(W / 4)
-//                     and floor(H / 4) <= y < 3 floor(H / 4), else Far
-// Schedule  clock 1 the place of a pixel, clock 2 the pixel; both move on as a pixel is taken, but not
-//           more than rate_i times a second
+//           left      right of pixel k - d, 0 if k < d; d = Near where W4 <= x < 3 W4 and
+//                     H4 <= y < 3 H4 with W4 = floor(W / 4), H4 = floor(H / 4), else Far
+// Schedule  clock 1 the place of a pixel, clock 2 the pixel; both move on as a pixel is taken,
+//           but not more than rate_i times a second
 // Handshake stream (fpga_fw/rtl/fs_stream_fifo.sv).
-// Limits    Far and Near 2 to 63; width_i, W, 16 to 1280; height_i, H, 4 or more: smaller has no square.
-//           A frame under way when they change is not of either size. The first d pixels of a left row are
-//           the last of the row above.
+// Limits    Far and Near 2 to 63; width_i, W, 16 to 1280; height_i, H, 4 or more: smaller has no
+//           square. A frame under way when they change is not of either size. The first d pixels
+//           of a left row are the last of the row above.
 module test_pattern #(
   parameter int ClockHz = 100000000,
   parameter int RateBits = $clog2(ClockHz + 1),

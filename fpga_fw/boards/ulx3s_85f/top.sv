@@ -1,13 +1,13 @@
 // ULX3S v3 with LFE5U-85F: two cameras, the whole pipeline, and the link. README.md says what is
 // wired where, and what switches, buttons and LEDs are for.
 //
-//   cameras or test pattern -> fs_system -> FT232H in synchronous 245 FIFO mode, or the board's FT231X
+//   cameras or test pattern -> fs_system -> FT232H (synchronous 245 FIFO) or FT231X (serial)
 //
 // Clock     25 MHz -> VCO = 50 MHz * PllFeedback (400 to 800 MHz) -> core = VCO / PllDivide.
 //           12 and 10: 60 MHz.  12 and 6: 100 MHz.
 //           The FT232H and each sensor bring a clock of their own.
-// Reset     until the PLL has locked, and while BTN_PWRn is pressed; released synchronously. The end of
-//           the link that is not chosen is in reset.
+// Reset     until the PLL has locked, and while BTN_PWRn is pressed; released synchronously. The
+//           end of the link that is not chosen is in reset.
 // Limits    UartBaud <= core clock / 32
 module top #(
   parameter int MaxWidth = 640,
@@ -215,7 +215,8 @@ module top #(
   always_ff @(posedge clk) begin
     if (show_errors) led <= errors;
     else if (show_overruns) led <= overruns;
-    else led <= {seen[3], frames_q[4], answered, seen[2:0], second_q < $clog2(ClockHz)'(ClockHz / 2)};
+    else led <= {seen[3], frames_q[4], answered, seen[2:0],
+                 second_q < $clog2(ClockHz)'(ClockHz / 2)};
   end
   assign wifi_en = 1'b0;  // the ESP32 shares pins with the right camera
 

@@ -1,18 +1,18 @@
 // The parallel port of one image sensor: from its pixel clock to a stream of the core clock.
 //
-// Formula   a pixel is what stands on data_i at a rising pixclk_i with frame_valid_i and line_valid_i
-//           high; sof the first behind a clock with frame_valid_i low, eol one with none behind it,
-//           eof the last before frame_valid_i is low again
+// Formula   a pixel is what stands on data_i at a rising pixclk_i with frame_valid_i and
+//           line_valid_i high; sof the first behind a clock with frame_valid_i low, eol one with
+//           none behind it, eof the last before frame_valid_i is low again
 // C++ twin  SensorPort in test/rtl/link/sensor_port.hpp, the other end
 // Schedule  pixclk 1  the pins' flip-flops
-//           pixclk 2  the pixel waits until the next one comes or frame_valid_i falls: so the last one
-//                     of a line waits for the next line
+//           pixclk 2  the pixel waits until the next one comes or frame_valid_i falls: so the
+//                     last one of a line waits for the next line
 //           pixclk 3  fs_async_fifo; 3 or 4 clocks of clk_i later it is at the output
 // Latency   as above
 // Handshake stream (fs_stream_fifo.sv) out. The sensor cannot wait: a pixel that finds no room is
 //           lost, with all of its frame behind it. overrun_o: a pulse for each such frame.
-// Limits    Depth pixels, that come while the stream waits. Nothing comes before the first clock with
-//           frame_valid_i low. pixclk_i may stop at any time, clk_i may not.
+// Limits    Depth pixels, that come while the stream waits. Nothing comes before the first clock
+//           with frame_valid_i low. pixclk_i may stop at any time, clk_i may not.
 module fs_camera #(
   parameter int Depth = 64
 ) (

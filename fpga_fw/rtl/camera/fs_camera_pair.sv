@@ -1,19 +1,20 @@
-// Two sensors with a common clock: pixel by pixel into one stream of pairs, of the pipeline's size.
+// Two sensors with a common clock: pixel by pixel into one stream of pairs, of the pipeline's
+// size.
 //
-// Formula   the middle of the sensors' images: columns from floor((SensorWidth - width_i) / 2) on, rows
-//           from floor((SensorHeight - height_i) / 2) on; what is beyond is dropped
+// Formula   the middle of the sensors' images: columns from floor((SensorWidth - width_i) / 2)
+//           on, rows from floor((SensorHeight - height_i) / 2) on; what is beyond is dropped
 // C++ twin  test/rtl/link/camera_test.cpp
 // Schedule  clock 1 both words are at the head, are what must come, and move; clock 2 the pair
 // Latency   1 clock behind fs_camera
-// Handshake streams. Each sensor must give frames of exactly SensorHeight lines of exactly SensorWidth
-//           pixels. The first of a pair waits for the other for MaxSkew clocks. Anything else is an
-//           error: error_o for a clock, and both are dropped up to where frames begin that are no
-//           more than MaxSkew clocks apart.
-//           The last pixel of a frame goes out only when all of both sensors' frames has come and was
-//           right. A frame with an error, even below its last row, is one that is cut: fs_input
-//           completes and marks it. So rows that are none of a pair never pass for one.
-// Limits    MaxSkew: less than the time of a line. width_i, height_i: taken over where a frame begins;
-//           larger than the sensor's, all frames are cut.
+// Handshake streams. Each sensor must give frames of exactly SensorHeight lines of exactly
+//           SensorWidth pixels. The first of a pair waits for the other for MaxSkew clocks.
+//           Anything else is an error: error_o for a clock, and both are dropped up to where
+//           frames begin that are no more than MaxSkew clocks apart.
+//           The last pixel of a frame goes out only when all of both sensors' frames has come and
+//           was right. A frame with an error, even below its last row, is one that is cut:
+//           fs_input completes and marks it. So rows that are none of a pair never pass for one.
+// Limits    MaxSkew: less than the time of a line. width_i, height_i: taken over where a frame
+//           begins; larger than the sensor's, all frames are cut.
 module fs_camera_pair #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,

@@ -6,12 +6,13 @@
 // C++ twin  test/rtl/link/camera_test.cpp
 // Schedule  theirs
 // Latency   from a pixel at the pins 3 clocks of its clock and some 9 of clk_i
-// Handshake stream out. fs_input holds it up where a frame comes before a row of ticks is complete: a
-//           row of clocks at most, some 270 pixels of 25 MHz where clk_i has 60. Depth is for that.
-//           It is held up longer, up to 41 rows of clocks, where a configuration is taken over while a
-//           line that is slow still has the frame before: then a frame is lost.
-//           errors_o, overruns_o: frames that were not whole, that found no room, modulo 256.
-// Limits    pixels come at no more than a third of clk_i's rate
+// Handshake stream out. fs_input holds it up where a frame comes before a row of ticks is
+//           complete: a row of clocks at most, some 270 pixels of 25 MHz where clk_i has 60.
+//           Depth is for that. It is held up longer, up to 41 rows of clocks, where a
+//           configuration is taken over while a line that is slow still has the frame before:
+//           then a frame is lost. errors_o, overruns_o: frames that were not whole, that found no
+//           room, modulo 256.
+// Limits    pixels come at no more than half of clk_i's rate
 module fs_cameras #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,

@@ -5,11 +5,12 @@
 //           them (640 px of disparity: 21 MB/s).
 // C++ twin  kSensorTable in test/rtl/board_test.cpp
 // Handshake none: a table, index_i to entry
-// Limits    Register numbers are those of the data sheet of the MT9V034, context A; on the MT9V032 some
-//           are others (0xAD is 0xBD there). Reset values are written, too, where the pair depends on them.
-//           Both sensors are masters with the same clock, reset and writes, so that they stay in step;
-//           each has automatic exposure and gain of its own. An exposure of more than 480 rows would
-//           make one's frames longer than the other's: MAX_SHUTTER.
+// Limits    Register numbers are those of the data sheet of the MT9V034, context A; on the
+//           MT9V032 some are others (0xAD is 0xBD there). Reset values are written, too, where
+//           the pair depends on them. Both sensors are masters with the same clock, reset and
+//           writes, so that they stay in step; each has automatic exposure and gain of its own.
+//           An exposure of more than 480 rows would make one's frames longer than the other's:
+//           therefore 0xAD.
 module fs_mt9v034 (
   input  logic [3:0]  index_i,
   output logic [7:0]  register_o,

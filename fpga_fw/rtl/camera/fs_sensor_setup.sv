@@ -1,17 +1,19 @@
-// Resets two sensors and writes a table to the registers of both at once, over two-wire buses that
-// share SCL. Does so again where one does not answer, or no pair of frames comes.
+// Resets two sensors and writes a table to the registers of both at once, over two-wire buses
+// that share SCL. Does so again where one does not answer, or no pair of frames comes.
 //
-// Formula   for each entry of the table: start, address, register, high byte, low byte, stop. 7-bit
-//           addresses 0x48, 0x4C, 0x58, 0x5C, the next one after each failure: those that a sensor's
-//           two address pins choose.
+// Formula   for each entry of the table: start, address, register, high byte, low byte, stop.
+//           7-bit addresses 0x48, 0x4C, 0x58, 0x5C, the next one after each failure: those that a
+//           sensor's two address pins choose.
 // C++ twin  TwoWireSensor in test/rtl/link/sensor_port.hpp, the other end
 // Schedule  reset low for 1 ms, 1 ms of rest, the table at BitHz; a failure is tried again after
 //           100 ms, silence after TimeoutMs
 // Latency   with 11 entries 6 ms after the reset
-// Handshake the table is combinational: index_o to register_i, value_i, last_i. frame_i: a pulse for each
-//           whole pair of frames. Lines are open drain: low where *_low_o, else the pull-up's.
-// Limits    A quarter of a bit is at least 4 clocks. A sensor that stretches the clock is not waited for. answered_o: bit k is high when sensor k
-//           acknowledged every byte of the last table; both must have.
+// Handshake the table is combinational: index_o to register_i, value_i, last_i. frame_i: a pulse
+//           for each whole pair of frames. Lines are open drain: low where *_low_o, else the
+//           pull-up's.
+// Limits    A quarter of a bit is at least 4 clocks. A sensor that stretches the clock is not
+//           waited for. answered_o: bit k is high when sensor k acknowledged every byte of the
+//           last table; both must have.
 module fs_sensor_setup #(
   parameter int ClockHz = 100000000,
   parameter int BitHz = 100000,

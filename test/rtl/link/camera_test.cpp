@@ -303,6 +303,15 @@ TEST(RtlCameras, WhatWaitsTooLongIsLostAndAllElseRight) {
   EXPECT_EQ(rig.whole_frames(), std::vector<Frame>{last});
 }
 
+TEST(RtlCameras, AFrameWithoutRoomIsCountedOncePerSensor) {
+  CamerasRig rig(20, 6, 7);
+  rig.ready_chance = 0;
+  // 120 pairs of the first one wait, and there is no room for all of the second.
+  for (int i = 0; i < 5; ++i) rig.send();
+  rig.finish();
+  EXPECT_EQ(rig.model.overruns_o, 8);
+}
+
 TEST(RtlCameras, AnotherSizeIsThatOfTheNextFrame) {
   CamerasRig rig(20, 6, 6);
   EXPECT_EQ((rig.finish(), rig.send(), rig.finish(), rig.whole_frames().size()), 1U);
