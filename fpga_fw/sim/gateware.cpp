@@ -1,6 +1,5 @@
 #include "sim/gateware.hpp"
 
-#include <iomanip>
 #include <sstream>
 #include <utility>
 
@@ -15,12 +14,6 @@ template <class... Parts>
 std::string concat(const Parts&... parts) {
   std::ostringstream text;
   (text << ... << parts);
-  return text.str();
-}
-
-std::string hex(std::uint32_t value) {
-  std::ostringstream text;
-  text << "0x" << std::hex << std::uppercase << std::setfill('0') << std::setw(8) << value;
   return text.str();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 
 #include "fpga_stereo/core/spec.hpp"
@@ -83,6 +84,12 @@ std::uint32_t GatewareBuild::build_register() const {
 bool GatewareBuild::operator==(const GatewareBuild& other) const {
   return build_register() == other.build_register() && line_rows == other.line_rows &&
          mesh_nodes == other.mesh_nodes;
+}
+
+std::string hex(std::uint32_t value) {
+  std::ostringstream text;
+  text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;
+  return text.str();
 }
 
 std::int64_t read_start(const StereoRectification& rectification) {

@@ -1,6 +1,5 @@
 #include "fpga_stereo/link/identity.hpp"
 
-#include <iomanip>
 #include <sstream>
 
 namespace fpga_stereo::link {
@@ -9,12 +8,6 @@ namespace {
 constexpr const char* kFlash =
     "flash the gateware of this release (rosrun fpga_stereo board flash), or install the software "
     "that belongs to that gateware";
-
-std::string hex(std::uint32_t value) {
-  std::ostringstream text;
-  text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;
-  return text.str();
-}
 
 std::string version(int major, int minor) {
   return std::to_string(major) + "." + std::to_string(minor);

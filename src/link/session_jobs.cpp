@@ -1,8 +1,6 @@
 // What a session asks of a board, and in which order. Everything that is written is read back.
 #include <algorithm>
-#include <iomanip>
 #include <memory>
-#include <sstream>
 #include <utility>
 
 #include "fpga_stereo/link/session.hpp"
@@ -14,12 +12,6 @@ using Values = std::vector<RegisterWrite>;
 
 constexpr std::chrono::milliseconds kApplyTime{2000};  // a frame of the slowest camera, and more
 constexpr std::chrono::milliseconds kApplyPoll{10};
-
-std::string hex(std::uint32_t value) {
-  std::ostringstream text;
-  text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;
-  return text.str();
-}
 
 std::string register_name(std::uint32_t address) {
   for (const spec::Register& r : spec::register_table()) {

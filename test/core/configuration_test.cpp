@@ -18,6 +18,11 @@ GatewareBuild vga() {
   return build;
 }
 
+TEST(Hex, EightDigits) {
+  EXPECT_EQ(hex(0x1F), "0x0000001F");
+  EXPECT_EQ(hex(0xDEADBEEF), "0xDEADBEEF");
+}
+
 TEST(GatewareBuild, ReadsWhatItSays) {
   for (const int disparities : {4, 64, 256}) {
     for (const auto pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {

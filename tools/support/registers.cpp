@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <iomanip>
-#include <sstream>
 #include <vector>
 
 #include "support/program.hpp"
@@ -52,12 +50,6 @@ std::string suggestion(const std::string& given, const Items& items) {
 }
 
 }  // namespace
-
-std::string hex(std::uint32_t value) {
-  std::ostringstream text;
-  text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;
-  return text.str();
-}
 
 const spec::Register& find_register(const std::string& name) {
   const auto& table = spec::register_table();

@@ -4,12 +4,10 @@
 #include <cstdint>
 #include <string>
 
+#include "fpga_stereo/core/configuration.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::tools {
-
-/// "0x0000001F"
-std::string hex(std::uint32_t value);
 
 /// Throws UsageError that names registers which are called nearly so.
 const spec::Register& find_register(const std::string& name);

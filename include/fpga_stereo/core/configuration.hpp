@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "fpga_stereo/core/calibration.hpp"
@@ -36,6 +37,9 @@ struct RegisterWrite {
   std::uint32_t address;  // of the word
   std::uint32_t value;
 };
+
+/// The value of a register for people: "0x0000001F".
+std::string hex(std::uint32_t value);
 
 /// T_s for both cameras: what their meshes need, and at least a row and two pixels, with which a
 /// mesh that moves nothing works, too.
