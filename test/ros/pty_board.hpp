@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "sim/pty_port.hpp"
 #include "sim/software_board.hpp"
 
 namespace fpga_stereo::test {
@@ -14,7 +15,7 @@ namespace fpga_stereo::test {
 class PtyBoard {
  public:
   /// Plugged in: `path` becomes a link to the pseudo terminal.
-  PtyBoard(std::string path, std::unique_ptr<sim::Board> board);
+  PtyBoard(const std::string& path, std::unique_ptr<sim::Board> board);
   PtyBoard(const std::string& path, const sim::SoftwareBoard::Options& options);
   ~PtyBoard();
 
@@ -27,18 +28,13 @@ class PtyBoard {
 
  private:
   void run();
-  void open_line();
-  void close_line();
-  bool move_bytes();
 
-  const std::string path_;
   std::mutex mutex_;
+  sim::PtyPort port_;
   const std::unique_ptr<sim::Board> board_;
   sim::SoftwareBoard* software_ = nullptr;
   sim::RawPair pair_;
   double rate_ = 20;
-  int master_ = -1;
-  std::vector<std::uint8_t> in_, out_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
