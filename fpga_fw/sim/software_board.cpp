@@ -204,8 +204,9 @@ void SoftwareBoard::write(std::uint32_t address, std::uint32_t value) {
     registers_[spec::kRegMeshAddress] =
         (at & ~spec::kMeshAddressNode.mask()) | spec::kMeshAddressNode.put(node + 1);
     if (options_.wrong.count(spec::kRegMeshSignature) != 0) return;
-    std::uint32_t& signature = registers_[spec::kRegMeshSignature];
-    signature = signature << 1 ^ (signature >> 31 != 0 ? kSignaturePolynomial : 0) ^ value;
+    Signature signature(registers_[spec::kRegMeshSignature]);
+    signature.add(value);
+    registers_[spec::kRegMeshSignature] = signature.value();
     return;
   }
   if (address == spec::kRegControl) {

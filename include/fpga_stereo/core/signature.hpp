@@ -15,6 +15,8 @@ namespace fpga_stereo {
 /// Of the words of a frame, one per pixel in raster order.
 class Signature {
  public:
+  explicit Signature(std::uint32_t value = kSignatureStart) : value_(value) {}
+
   /// s <- x s + word, modulo the polynomial of CRC-32C.
   void add(std::uint32_t word) {
     const std::uint32_t carried = (value_ >> 31) != 0 ? kSignaturePolynomial : 0;
@@ -23,7 +25,7 @@ class Signature {
   std::uint32_t value() const { return value_; }
 
  private:
-  std::uint32_t value_ = kSignatureStart;
+  std::uint32_t value_;
 };
 
 /// The word of one pixel. For check it is `kept`, for subpixel and spike the disparity.
