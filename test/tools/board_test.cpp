@@ -23,7 +23,7 @@ TEST_F(BoardTest, ProbeGetAndSet) {
   const Outcome probed = board("probe");
   ASSERT_EQ(probed.code, 0) << probed.err;
   for (const std::string line :
-       {"line +.*/tty at 3000000 baud", "gateware +0\\.1, specification 0x[0-9A-F]{8}",
+       {"line +.*/tty at 1000000 baud", "gateware +0\\.1, specification 0x[0-9A-F]{8}",
         "max_width +64 px", "disparities +16", "census +sparse 5 px", "correlation +5 px",
         "line buffer +20 rows", "mesh +600 nodes", "clock +100 MHz",
         "streams +disparity, left, right, raw_left, raw_right; takes pairs from the host",

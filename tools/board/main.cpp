@@ -46,7 +46,7 @@ void print_help() {
                "  usb:serial=NUMBER    that with this serial number\n"
                "  usb:port=1-2.3       that at this bus and port\n"
                "  usb:match=REGEX      the first whose serial number or name has a match\n"
-               "  serial:PATH[:BAUD]   a serial line, at 3000000 baud unless told\n"
+               "  serial:PATH[:BAUD]   a serial line, at 1000000 baud unless told\n"
                "  replay:FILE[:SPEED]  what record wrote, for capture and measure; SPEED 0: at "
                "once\n";
 }

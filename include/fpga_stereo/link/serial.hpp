@@ -10,7 +10,7 @@
 
 namespace fpga_stereo::link {
 
-constexpr int kDefaultBaud = 3000000;
+constexpr int kDefaultBaud = 1000000;  // what the board is built for
 
 /// Opens a line for this program alone: 8 bits, no parity, 1 stop bit, no flow control. `baud` may
 /// be any rate that the line's chip can make. Errors as of open_transport().
