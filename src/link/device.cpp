@@ -5,6 +5,8 @@
 #include <future>
 #include <utility>
 
+#include "fpga_stereo/link/hotplug_watch.hpp"
+
 namespace fpga_stereo::link {
 namespace {
 
@@ -44,6 +46,7 @@ Device::~Device() {
     stopping_ = true;
   }
   wake_.notify_all();
+  if (options_.hotplug) options_.hotplug->interrupt();
   thread_.join();
 }
 
@@ -120,9 +123,11 @@ bool Device::open() {
     const std::string& why = opened.error().message;
     if (why != open_error_) callbacks_.note(why);
     open_error_ = why;
-    std::unique_lock<std::mutex> lock(mutex_);
-    closed_because_ = why;
-    wake_.wait_for(lock, options_.retry, [this] { return stopping_; });
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      closed_because_ = why;
+    }
+    wait_to_retry();
     return false;
   }
   open_error_.clear();
@@ -139,6 +144,15 @@ bool Device::open() {
   }
   callbacks_.note("opened " + description);
   return true;
+}
+
+void Device::wait_to_retry() {
+  if (options_.hotplug) {
+    options_.hotplug->wait(options_.retry);
+    return;
+  }
+  std::unique_lock<std::mutex> lock(mutex_);
+  wake_.wait_for(lock, options_.retry, [this] { return stopping_; });
 }
 
 void Device::close(const std::string& why) {

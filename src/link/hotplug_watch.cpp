@@ -1,3 +1,5 @@
+#include "fpga_stereo/link/hotplug_watch.hpp"
+
 #include <libusb.h>
 
 #include <atomic>

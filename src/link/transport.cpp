@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "fpga_stereo/link/hotplug_watch.hpp"
 #include "fpga_stereo/link/recording.hpp"
 #include "fpga_stereo/link/serial.hpp"
 #include "fpga_stereo/link/usb.hpp"
@@ -21,6 +22,8 @@ Error no_name(const std::string& name, const std::string& why) {
               "; allowed: usb, usb:serial=NUMBER, usb:port=BUS-PORT, usb:match=REGEX, "
               "serial:PATH[:BAUD], replay:FILE[:SPEED]"};
 }
+
+std::string scheme_of(const std::string& name) { return name.substr(0, name.find(':')); }
 
 /// A whole number or a decimal fraction, and nothing behind it.
 std::optional<double> number(const std::string& text) {
@@ -81,7 +84,7 @@ std::vector<FoundDevice> list_devices() {
 
 Result<std::unique_ptr<Transport>> open_transport(const std::string& name) {
   const std::size_t colon = name.find(':');
-  const std::string scheme = name.substr(0, colon);
+  const std::string scheme = scheme_of(name);
   const std::string rest = colon == std::string::npos ? "" : name.substr(colon + 1);
   if (scheme == "usb") {
     const auto selection = parse_usb(name, rest);
@@ -103,6 +106,10 @@ Result<std::unique_ptr<Transport>> open_transport(const std::string& name) {
     return open_replay(path, speed.value_or(1));
   }
   return no_name(name, "'" + scheme + "' is no kind of line");
+}
+
+std::shared_ptr<HotplugWatch> watch_for(const std::string& name) {
+  return scheme_of(name) == "usb" ? std::make_shared<HotplugWatch>() : nullptr;
 }
 
 }  // namespace fpga_stereo::link

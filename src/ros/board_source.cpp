@@ -2,9 +2,9 @@
 
 #include <ros/console.h>
 
-#include <cmath>
 #include <utility>
 
+#include "fpga_stereo/link/transport.hpp"
 #include "fpga_stereo/ros/conversions.hpp"
 #include "fpga_stereo/ros/make_frame.hpp"
 
@@ -14,33 +14,14 @@ namespace {
 using link::Session;
 using link::Stream;
 
-constexpr std::size_t kKeptConfigurations = 8;  // frames of older ones are long through
-constexpr std::size_t kMostSent = 4;            // pairs under way in the board
+constexpr std::size_t kMostSent = 4;  // pairs under way in the board
 
-constexpr unsigned bit(Stream stream) { return 1U << static_cast<unsigned>(stream); }
-
-link::Device::Options device_options(const BoardSettings& settings, link::Opener open) {
+link::Device::Options device_options(const BoardSettings& settings) {
   link::Device::Options options;
-  options.open = std::move(open);
+  options.open = [name = settings.device] { return link::open_transport(name); };
+  options.hotplug = link::watch_for(settings.device);
   options.session.frames.keep_incomplete = settings.keep_incomplete;
   return options;
-}
-
-/// What a board can do whatever the calibration: its own search, images as they are.
-Result<GatewareConfiguration> raw_configuration(const GatewareBuild& build, cv::Size size) {
-  Parameters parameters;
-  parameters.disparity_range = build.disparities;
-  parameters.census_window_size = build.census_window;
-  parameters.census_pattern = build.census_pattern;
-  parameters.correlation_window_size = build.correlation_window;
-  StereoGeometry geometry;
-  geometry.image_size = size;
-  return configuration(build, parameters, no_rectification(geometry, 0));
-}
-
-bool same_calibration(const CameraTopics::Infos& a, const CameraTopics::Infos& b) {
-  return to_calibration(a.left) == to_calibration(b.left) &&
-         to_calibration(a.right) == to_calibration(b.right);
 }
 
 sensor_msgs::ImageConstPtr to_message(const cv::Mat& image, const std_msgs::Header& header) {
@@ -49,13 +30,14 @@ sensor_msgs::ImageConstPtr to_message(const cv::Mat& image, const std_msgs::Head
 
 }  // namespace
 
-BoardSource::BoardSource(const BoardSettings& settings, link::Opener open, CameraTopics& cameras,
-                         Health& health, Callbacks callbacks)
+BoardSource::BoardSource(const BoardSettings& settings, CameraTopics& cameras, Health& health,
+                         Callbacks callbacks)
     : settings_(settings),
       cameras_(cameras),
       health_(health),
       callbacks_(std::move(callbacks)),
-      device_(device_options(settings, std::move(open)), device_callbacks()) {}
+      plan_(settings_),
+      device_(device_options(settings), device_callbacks()) {}
 
 link::Device::Callbacks BoardSource::device_callbacks() {
   link::Device::Callbacks callbacks;
@@ -70,16 +52,20 @@ link::Device::Callbacks BoardSource::device_callbacks() {
 
 // What is wanted.
 
+void BoardSource::tell() {
+  if (plan_.present()) device_.want(plan_.wanted());
+}
+
 void BoardSource::identified(const link::Identity& identity) {
   ROS_INFO_STREAM_NAMED("stereo", "board identified: " << identity.text());
   if (!settings_.topic_input) cameras_.show(true);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    identity_ = identity;
     last_frame_.reset();
     sent_.clear();
-    if (!settings_.topic_input) infos_ = cameras_.infos();
-    configure();
+    if (!settings_.topic_input) plan_.set_calibration(cameras_.infos());
+    plan_.set_identity(identity);
+    tell();
   }
   callbacks_.changed();
 }
@@ -88,8 +74,8 @@ void BoardSource::closed() {
   std::map<std::uint64_t, InputPair> sent;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!identity_) return;
-    identity_.reset();
+    if (!plan_.present()) return;
+    plan_.set_identity(std::nullopt);
     sent = std::exchange(sent_, {});
   }
   // What the board has not answered the software does.
@@ -99,122 +85,30 @@ void BoardSource::closed() {
 }
 
 void BoardSource::refresh() {
-  if (device_.snapshot().state == Session::State::kRefused) {
-    closed();
-  } else if (!settings_.topic_input && present()) {
-    CameraTopics::Infos infos = cameras_.infos();
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (same_calibration(infos, infos_)) return;
-    // The two calls of a calibration come one after the other: until they agree, the old one holds.
-    const bool first = infos_.left.K[0] == 0 || infos_.right.K[0] == 0;
-    const auto made =
-        make_stereo_rectification(to_calibration(infos.left), to_calibration(infos.right),
-                                  node_settings_.pipeline.min_disparity);
-    if (!first && !made) {
-      ROS_INFO_STREAM_THROTTLE_NAMED(10, "stereo",
-                                     "new calibration waits: " << made.error().message);
-      return;
-    }
-    infos_ = std::move(infos);
-    configure();
+  if (device_.snapshot().state == Session::State::kRefused) return closed();
+  if (settings_.topic_input || !present()) return;
+  const CameraTopics::Infos infos = cameras_.infos();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const Result<bool> changed = plan_.offer_calibration(infos);
+  if (!changed) {
+    ROS_INFO_STREAM_THROTTLE_NAMED(10, "stereo",
+                                   "new calibration waits: " << changed.error().message);
+  } else if (*changed) {
+    tell();
   }
 }
 
 void BoardSource::set_settings(const Settings& settings) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  node_settings_ = settings;
-  configure();
+  plan_.set_settings(settings);
+  tell();
 }
 
 void BoardSource::set_demand(const Demand& demand) {
+  const CameraTopics::Demand cameras = cameras_.demand();
   const std::lock_guard<std::mutex> lock(mutex_);
-  demand_ = demand;
-  want();
-}
-
-void BoardSource::configure() {
-  if (!identity_) return;
-  if (settings_.topic_input && infos_.left.width == 0) {
-    unable_ = "no calibrated pair has come on its topics yet";
-    return;
-  }
-  auto made = std::make_shared<Made>();
-  made->settings = node_settings_;
-  made->infos = infos_;
-  const std::string before = unable_;
-  const auto& rectification =
-      rectifier_(infos_.left, infos_.right, node_settings_.pipeline.min_disparity);
-  Result<GatewareConfiguration> able =
-      rectification ? configuration(identity_->build, node_settings_.pipeline, **rectification)
-                    : Result<GatewareConfiguration>(rectification.error());
-  unable_ = able ? "" : able.error().message;
-  if (able) {
-    made->rectification = *rectification;
-  } else {
-    able = raw_configuration(identity_->build, settings_.image_size);
-    const cv::Size calibrated = to_calibration(infos_.left).image_size();
-    if (rectification && !calibrated.empty()) {
-      able = raw_configuration(identity_->build, calibrated);
-    }
-  }
-  if (!able) {  // the images are too large for it
-    unable_ = able.error().message;
-    wanted_.configuration.reset();
-  } else {
-    wanted_.configuration = *able;
-  }
-  if (unable_ != before && !unable_.empty()) {
-    ROS_WARN_STREAM_NAMED("stereo", "the board cannot make this disparity: " << unable_);
-  }
-  ++wanted_.tag;
-  made_[wanted_.tag] = std::move(made);
-  while (made_.size() > kKeptConfigurations) made_.erase(made_.begin());
-  want();
-}
-
-unsigned BoardSource::streams() const {
-  const bool shifted = node_settings_.pipeline.min_disparity != 0;
-  const auto rectified = [](const CameraDemand& d) { return d.rect || d.rect_color; };
-  const auto raw = [](const CameraDemand& d) { return d.mono || d.color; };
-  const CameraTopics::Demand cameras = cameras_.demand();
-  unsigned streams = 0;
-  if (settings_.topic_input) {
-    if (!unable_.empty()) return 0;
-    if (demand_.any()) streams |= bit(Stream::kDisparity);
-    if (rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
-    if (rectified(demand_.right) && !shifted) streams |= bit(Stream::kRectifiedRight);
-    return streams;
-  }
-  constexpr unsigned kRaw = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
-  if (!unable_.empty() && demand_.any()) streams |= kRaw;
-  if (raw(demand_.left) || cameras.left) streams |= bit(Stream::kRawLeft);
-  if (raw(demand_.right) || cameras.right) streams |= bit(Stream::kRawRight);
-  if (unable_.empty()) {
-    if (demand_.disparity) streams |= bit(Stream::kDisparity);
-    if (rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
-    if (rectified(demand_.right)) {
-      // The board's right image is shifted by min_disparity: others expect one that is not.
-      streams |= bit(shifted ? Stream::kRawRight : Stream::kRectifiedRight);
-    }
-    if (settings_.verify > 0 && demand_.disparity) streams |= kRaw;
-  }
-  if (streams == 0 && cameras.info) streams |= bit(Stream::kRawLeft);
-  return streams;
-}
-
-void BoardSource::want() {
-  if (!identity_) return;
-  wanted_.streams = streams();
-  wanted_.host_input = settings_.topic_input;
-  wanted_.frame_interval = settings_.frame_interval;
-  wanted_.mid_exposure = std::chrono::microseconds(std::lround(settings_.mid_exposure_ms * 1000));
-  // Raw images of every frame where somebody wants them, of some for verification alone.
-  const CameraTopics::Demand cameras = cameras_.demand();
-  const bool always = !unable_.empty() || demand_.left.mono || demand_.left.color ||
-                      demand_.right.mono || demand_.right.color || cameras.any() ||
-                      node_settings_.pipeline.min_disparity != 0;
-  wanted_.raw_interval = settings_.verify > 0 && !always ? settings_.verify : 1;
-  device_.want(wanted_);
+  plan_.set_demand(demand, cameras);
+  tell();
 }
 
 // Pairs from topics.
@@ -222,26 +116,28 @@ void BoardSource::want() {
 bool BoardSource::takes_pairs() const {
   if (!settings_.topic_input) return false;
   const std::lock_guard<std::mutex> lock(mutex_);
-  return identity_.has_value();
+  return plan_.present();
 }
 
 bool BoardSource::send(const InputPair& pair) {
   std::unique_lock<std::mutex> lock(mutex_);
-  if (!identity_) return false;
-  CameraTopics::Infos infos{*pair.left_info, *pair.right_info};
-  if (!same_calibration(infos, infos_)) {
-    infos_ = std::move(infos);
-    configure();
-    const bool unable = !unable_.empty();
+  if (!plan_.present()) return false;
+  const CameraTopics::Infos infos{*pair.left_info, *pair.right_info};
+  if (!same_calibration(infos, plan_.calibration())) {
+    plan_.set_calibration(infos);
+    tell();
+    const bool unable = !plan_.unable().empty();
     lock.unlock();
     if (unable) callbacks_.changed();
     return false;  // the board is being configured
   }
-  const auto& made = made_.at(wanted_.tag);
-  if (!unable_.empty() || !made->rectification || sent_.size() >= kMostSent) return false;
+  const std::uint64_t tag = plan_.wanted().tag;
+  const auto made = plan_.made(tag);
+  if (!plan_.unable().empty() || !made || !made->rectification || sent_.size() >= kMostSent)
+    return false;
   const link::Device::Snapshot now = device_.snapshot();
   if (now.state != Session::State::kStreaming || !now.configured_tag ||
-      *now.configured_tag != wanted_.tag) {
+      *now.configured_tag != tag) {
     return false;
   }
   const auto begun = begin_frame(pair, *made->rectification, made->settings);
@@ -262,12 +158,12 @@ bool BoardSource::send(const InputPair& pair) {
 
 bool BoardSource::present() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return identity_.has_value();
+  return plan_.present();
 }
 
 std::string BoardSource::unable() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return unable_;
+  return plan_.unable();
 }
 
 std::string BoardSource::complaint() const {
@@ -298,12 +194,12 @@ void BoardSource::count_lost(const link::FrameSet& set) {
 }
 
 void BoardSource::take(const Session::Received& r) {
-  std::shared_ptr<const Made> made;
+  std::shared_ptr<const BoardPlan::Made> made;
   bool disparity_wanted = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (const auto found = made_.find(r.tag); found != made_.end()) made = found->second;
-    disparity_wanted = (wanted_.streams & bit(Stream::kDisparity)) != 0;
+    made = plan_.made(r.tag);
+    disparity_wanted = plan_.wants(Stream::kDisparity);
     if (!settings_.topic_input) count_lost(r.set);
   }
   if (!settings_.topic_input) health_.received();
@@ -315,7 +211,7 @@ void BoardSource::take(const Session::Received& r) {
   take_camera_frame(r, *made);
 }
 
-void BoardSource::take_pair(const Session::Received& r, const Made& made) {
+void BoardSource::take_pair(const Session::Received& r, const BoardPlan::Made& made) {
   const link::FrameSet& set = r.set;
   InputPair pair;
   Demand demand;
@@ -328,7 +224,7 @@ void BoardSource::take_pair(const Session::Received& r, const Made& made) {
     health_.dropped(DropCause::kLink,
                     static_cast<std::uint64_t>(std::distance(sent_.begin(), found)));
     sent_.erase(sent_.begin(), std::next(found));
-    demand = demand_;
+    demand = plan_.demand();
   }
   if (set.image(Stream::kDisparity).empty()) {
     return refuse(set.dropped.empty() ? "frame of the board dropped: it has no disparity"
@@ -355,7 +251,7 @@ void BoardSource::take_pair(const Session::Received& r, const Made& made) {
   callbacks_.frame(frame);
 }
 
-void BoardSource::take_camera_frame(const Session::Received& r, const Made& made) {
+void BoardSource::take_camera_frame(const Session::Received& r, const BoardPlan::Made& made) {
   const link::FrameSet& set = r.set;
   const ros::Time stamp = ros::Time().fromSec(r.stamp);
   const cv::Mat& left = set.image(Stream::kRawLeft);
@@ -364,7 +260,7 @@ void BoardSource::take_camera_frame(const Session::Received& r, const Made& made
   Demand demand;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    demand = demand_;
+    demand = plan_.demand();
   }
   std_msgs::Header header;
   header.stamp = stamp;

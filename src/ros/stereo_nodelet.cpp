@@ -118,9 +118,7 @@ void StereoNodelet::make_sources(const SyncSettings& sync) {
   callbacks.frame = [this](const StereoFrame& f) { on_frame(f, BoardSource::kName); };
   callbacks.pair = [this](const InputPair& pair) { software_->receive(pair); };
   callbacks.changed = [this] { on_subscribers(); };
-  board_ = std::make_unique<BoardSource>(
-      board_settings_, [this] { return link::open_transport(board_settings_.device); }, *cameras_,
-      health_, callbacks);
+  board_ = std::make_unique<BoardSource>(board_settings_, *cameras_, health_, callbacks);
   board_->set_settings(settings_);
 }
 

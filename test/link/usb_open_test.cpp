@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <thread>
 
+#include "fpga_stereo/link/device.hpp"
+#include "fpga_stereo/link/hotplug_watch.hpp"
 #include "fpga_stereo/link/usb.hpp"
 #include "link/transport_suite.hpp"
 #include "link/usb_line.hpp"
@@ -170,6 +172,34 @@ TEST(Usb, WatchSeesBoardsComeAndGo) {
   EXPECT_FALSE(watch.wait(Milliseconds(5000)));
   EXPECT_LT(Clock::now() - begin, Milliseconds(2000));
   caller.join();
+}
+
+TEST(Usb, ADeviceOpensABoardAsSoonAsItComes) {
+  UsbLine line;
+  link::Device::Options options;
+  options.open = [] { return link::open_transport("usb"); };
+  options.hotplug = link::watch_for("usb");
+  options.retry = std::chrono::minutes(5);
+  link::Device::Callbacks callbacks;
+  callbacks.note = [](const std::string&) {};
+  link::Device device(options, callbacks);
+  const auto wait_for = [&](bool open, std::uint64_t times) {
+    const auto deadline = Clock::now() + Milliseconds(10000);
+    while (Clock::now() < deadline) {
+      const link::Device::Snapshot now = device.snapshot();
+      if (now.description.empty() != open && now.opened >= times) return true;
+      std::this_thread::sleep_for(Milliseconds(1));
+    }
+    return false;
+  };
+  ASSERT_TRUE(wait_for(true, 1));
+  for (std::uint64_t i = 2; i < 10; ++i) {
+    line.unplug();
+    ASSERT_TRUE(wait_for(false, i - 1));
+    std::this_thread::sleep_for(Milliseconds(i * 3));
+    line.plug();
+    ASSERT_TRUE(wait_for(true, i)) << device.snapshot().complaint;
+  }
 }
 
 /// Run by the test below, in a process of its own.

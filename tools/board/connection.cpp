@@ -53,6 +53,7 @@ Connection::Connection(const std::string& device, const Patience& patience, cons
   auto first = std::make_shared<std::unique_ptr<Transport>>(open_line(device));
   link::Device::Options options;
   options.retry = milliseconds(100);
+  options.hotplug = link::watch_for(device);
   options.open = [device, first, wrap]() -> Result<std::unique_ptr<Transport>> {
     auto opened = *first != nullptr ? Result<std::unique_ptr<Transport>>(std::move(*first))
                                     : link::open_transport(device);

@@ -19,10 +19,11 @@ namespace fpga_stereo::link {
 class Device {
  public:
   struct Options {
-    Opener open;  // how the line is opened
+    Opener open;                            // how the line is opened
+    std::shared_ptr<HotplugWatch> hotplug;  // what tells that it may have come; may be null
+    std::chrono::milliseconds retry{500};   // between two attempts to open, at most
     Session::Options session;
-    std::chrono::milliseconds retry{500};  // between two attempts to open
-    std::function<double()> host_clock;    // s; default: the system's clock
+    std::function<double()> host_clock;  // s; default: the system's clock
   };
 
   /// Called from the device's own thread. None may wait for another call of the device to end.
@@ -73,6 +74,7 @@ class Device {
   void run();
   /// Opens the line or waits; false: there is none.
   bool open();
+  void wait_to_retry();
   void close(const std::string& why);
   /// Bytes both ways, once. An error closes the line.
   Status exchange();

@@ -15,6 +15,8 @@
 
 namespace fpga_stereo::link {
 
+class HotplugWatch;
+
 /// What can be done to a line on which nothing comes any more, mild to harsh. Opening it anew comes
 /// between the last two; that is up to who opened it.
 enum class Recovery {
@@ -50,7 +52,7 @@ class Transport {
   /// By the thread that reads, while nobody writes. Takes two seconds at most.
   [[nodiscard]] virtual Status recover(Recovery step) = 0;
 
-  /// For people: "USB 1-2.3, serial number FT5X", "/dev/ttyUSB0 at 3000000 baud".
+  /// For people: "USB 1-2.3, serial number FT5X", "/dev/ttyUSB0 at 1000000 baud".
   virtual std::string description() const = 0;
   virtual Counters counters() const = 0;
 };
@@ -73,11 +75,14 @@ using Opener = std::function<Result<std::unique_ptr<Transport>>()>;
 ///   usb:serial=FT5X      that with this serial number, all of it
 ///   usb:port=1-2.3       that at this bus and port
 ///   usb:match=REGEX      the first whose serial number or product name has a match
-///   serial:PATH[:BAUD]   a serial line, at 3000000 baud unless told
+///   serial:PATH[:BAUD]   a serial line, at 1000000 baud unless told
 ///   replay:FILE[:SPEED]  what was recorded, at SPEED times its own pace; 0: as fast as it is read
 ///
 /// Fails with kInvalid (a name that is none of these), kNotFound, kBusy, kPermission or kIo; the
 /// message says what was looked for, what is there, and what helps.
 Result<std::unique_ptr<Transport>> open_transport(const std::string& name);
+
+/// What tells that the line of this name may have come back; null: nothing does.
+std::shared_ptr<HotplugWatch> watch_for(const std::string& name);
 
 }  // namespace fpga_stereo::link

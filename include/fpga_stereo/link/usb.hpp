@@ -2,7 +2,6 @@
 // is seen here.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -43,25 +42,5 @@ Result<std::unique_ptr<Transport>> open_usb(const UsbSelection& selection,
                                             const UsbOptions& options = {});
 
 std::vector<FoundDevice> list_usb();
-
-/// Wakes who waits for a board. Where libusb cannot tell of boards that come and go, every wait
-/// takes its full time.
-class HotplugWatch {
- public:
-  HotplugWatch();
-  ~HotplugWatch();
-  HotplugWatch(const HotplugWatch&) = delete;
-  HotplugWatch& operator=(const HotplugWatch&) = delete;
-
-  /// Whether a board has come or gone since the last call, at the latest after `timeout`. False,
-  /// too, after interrupt().
-  bool wait(std::chrono::milliseconds timeout);
-  /// Ends a wait() of another thread, or else the next one.
-  void interrupt();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
 
 }  // namespace fpga_stereo::link

@@ -11,11 +11,11 @@
 #include <string>
 
 #include "fpga_stereo/link/device.hpp"
+#include "fpga_stereo/ros/board_plan.hpp"
 #include "fpga_stereo/ros/board_settings.hpp"
 #include "fpga_stereo/ros/camera_topics.hpp"
 #include "fpga_stereo/ros/frame.hpp"
 #include "fpga_stereo/ros/health.hpp"
-#include "fpga_stereo/ros/rectifier.hpp"
 #include "fpga_stereo/ros/stamp_gate.hpp"
 #include "fpga_stereo/ros/topic_input.hpp"
 #include "fpga_stereo/ros/verifier.hpp"
@@ -35,8 +35,8 @@ class BoardSource {
     std::function<void()> changed;
   };
 
-  BoardSource(const BoardSettings& settings, link::Opener open, CameraTopics& cameras,
-              Health& health, Callbacks callbacks);
+  BoardSource(const BoardSettings& settings, CameraTopics& cameras, Health& health,
+              Callbacks callbacks);
 
   /// A board answers, and it is one that this software works with.
   bool present() const;
@@ -59,27 +59,17 @@ class BoardSource {
   Verifier::Counters verified() const { return verifier_.counters(); }
 
  private:
-  /// What a configuration of the board was made from.
-  struct Made {
-    Settings settings;
-    CameraTopics::Infos infos;
-    std::shared_ptr<const StereoRectification> rectification;  // null: the board's images are raw
-  };
-
   link::Device::Callbacks device_callbacks();
   void identified(const link::Identity& identity);
   void closed();
   void received(const std::vector<link::Session::Received>& sets);
   void take(const link::Session::Received& received);
-  void take_pair(const link::Session::Received& received, const Made& made);
-  void take_camera_frame(const link::Session::Received& received, const Made& made);
+  void take_pair(const link::Session::Received& received, const BoardPlan::Made& made);
+  void take_camera_frame(const link::Session::Received& received, const BoardPlan::Made& made);
   void count_lost(const link::FrameSet& set);
   void refuse(const std::string& why);
-  /// Makes a configuration of settings, calibration and build. With mutex_.
-  void configure();
   /// Tells the device what is wanted. With mutex_.
-  void want();
-  unsigned streams() const;
+  void tell();
 
   const BoardSettings settings_;
   CameraTopics& cameras_;
@@ -88,15 +78,8 @@ class BoardSource {
   Verifier verifier_;
 
   mutable std::mutex mutex_;
-  std::optional<link::Identity> identity_;
-  Settings node_settings_;
-  Demand demand_;
-  CameraTopics::Infos infos_;  // of the cameras, or of the latest pair
-  Rectifier rectifier_;
-  std::string unable_;
-  link::Wanted wanted_;
-  std::map<std::uint64_t, std::shared_ptr<const Made>> made_;  // by tag
-  std::map<std::uint64_t, InputPair> sent_;                    // by frame_id, not come back yet
+  BoardPlan plan_;
+  std::map<std::uint64_t, InputPair> sent_;  // by frame_id, not come back yet
   std::uint64_t next_pair_ = 1;
   StampGate gate_;
   std::optional<std::uint64_t> last_frame_;  // frame_id

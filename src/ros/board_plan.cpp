@@ -1,0 +1,160 @@
+#include "fpga_stereo/ros/board_plan.hpp"
+
+#include <ros/console.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "fpga_stereo/ros/conversions.hpp"
+
+namespace fpga_stereo {
+namespace {
+
+using link::Stream;
+
+constexpr std::size_t kKeptConfigurations = 8;  // frames of older ones are long through
+
+constexpr unsigned bit(Stream stream) { return 1U << static_cast<unsigned>(stream); }
+constexpr unsigned kRawPair = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
+
+bool wants_rectified(const CameraDemand& d) { return d.rect || d.rect_color; }
+bool wants_raw(const CameraDemand& d) { return d.mono || d.color; }
+
+/// What a board can do whatever the calibration: its own search, images as they are.
+Result<GatewareConfiguration> raw_configuration(const GatewareBuild& build, cv::Size size) {
+  Parameters parameters;
+  parameters.disparity_range = build.disparities;
+  parameters.census_window_size = build.census_window;
+  parameters.census_pattern = build.census_pattern;
+  parameters.correlation_window_size = build.correlation_window;
+  StereoGeometry geometry;
+  geometry.image_size = size;
+  return configuration(build, parameters, no_rectification(geometry, 0));
+}
+
+}  // namespace
+
+bool same_calibration(const CameraTopics::Infos& a, const CameraTopics::Infos& b) {
+  return to_calibration(a.left) == to_calibration(b.left) &&
+         to_calibration(a.right) == to_calibration(b.right);
+}
+
+void BoardPlan::set_identity(const std::optional<link::Identity>& identity) {
+  identity_ = identity;
+  configure();
+}
+
+void BoardPlan::set_settings(const Settings& settings) {
+  node_settings_ = settings;
+  configure();
+}
+
+void BoardPlan::set_calibration(const CameraTopics::Infos& infos) {
+  infos_ = infos;
+  configure();
+}
+
+Result<bool> BoardPlan::offer_calibration(const CameraTopics::Infos& infos) {
+  if (same_calibration(infos, infos_)) return false;
+  // The two calls of a calibration come one after the other: until they agree, the old one holds.
+  const bool first = infos_.left.K[0] == 0 || infos_.right.K[0] == 0;
+  const auto made =
+      make_stereo_rectification(to_calibration(infos.left), to_calibration(infos.right),
+                                node_settings_.pipeline.min_disparity);
+  if (!first && !made) return made.error();
+  set_calibration(infos);
+  return true;
+}
+
+void BoardPlan::set_demand(const Demand& outputs, const CameraTopics::Demand& cameras) {
+  demand_ = outputs;
+  cameras_ = cameras;
+  want();
+}
+
+bool BoardPlan::wants(Stream stream) const { return (wanted_.streams & bit(stream)) != 0; }
+
+std::shared_ptr<const BoardPlan::Made> BoardPlan::made(std::uint64_t tag) const {
+  const auto found = made_.find(tag);
+  return found == made_.end() ? nullptr : found->second;
+}
+
+void BoardPlan::configure() {
+  if (!identity_) return;
+  if (settings_.topic_input && infos_.left.width == 0) {
+    unable_ = "no calibrated pair has come on its topics yet";
+    return;
+  }
+  auto made = std::make_shared<Made>();
+  made->settings = node_settings_;
+  made->infos = infos_;
+  const std::string before = unable_;
+  const auto& rectification =
+      rectifier_(infos_.left, infos_.right, node_settings_.pipeline.min_disparity);
+  Result<GatewareConfiguration> able =
+      rectification ? configuration(identity_->build, node_settings_.pipeline, **rectification)
+                    : Result<GatewareConfiguration>(rectification.error());
+  unable_ = able ? "" : able.error().message;
+  if (able) {
+    made->rectification = *rectification;
+  } else {
+    const cv::Size calibrated = to_calibration(infos_.left).image_size();
+    const bool known = rectification && !calibrated.empty();
+    able = raw_configuration(identity_->build, known ? calibrated : settings_.image_size);
+  }
+  if (!able) {  // the images are too large for it
+    unable_ = able.error().message;
+    wanted_.configuration.reset();
+  } else {
+    wanted_.configuration = *able;
+  }
+  if (unable_ != before && !unable_.empty()) {
+    ROS_WARN_STREAM_NAMED("stereo", "the board cannot make this disparity: " << unable_);
+  }
+  ++wanted_.tag;
+  made_[wanted_.tag] = std::move(made);
+  while (made_.size() > kKeptConfigurations) made_.erase(made_.begin());
+  want();
+}
+
+unsigned BoardPlan::streams_of_pairs() const {
+  if (!unable_.empty()) return 0;
+  unsigned streams = 0;
+  if (demand_.any()) streams |= bit(Stream::kDisparity);
+  if (wants_rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
+  if (wants_rectified(demand_.right) && !shifted()) streams |= bit(Stream::kRectifiedRight);
+  return streams;
+}
+
+unsigned BoardPlan::streams_of_cameras() const {
+  unsigned streams = 0;
+  if (!unable_.empty() && demand_.any()) streams |= kRawPair;
+  if (wants_raw(demand_.left) || cameras_.left) streams |= bit(Stream::kRawLeft);
+  if (wants_raw(demand_.right) || cameras_.right) streams |= bit(Stream::kRawRight);
+  if (unable_.empty()) {
+    if (demand_.disparity) streams |= bit(Stream::kDisparity);
+    if (wants_rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
+    if (wants_rectified(demand_.right)) {
+      // The board's right image is shifted by min_disparity: others expect one that is not.
+      streams |= bit(shifted() ? Stream::kRawRight : Stream::kRectifiedRight);
+    }
+    if (settings_.verify > 0 && demand_.disparity) streams |= kRawPair;
+  }
+  if (streams == 0 && cameras_.info) streams |= bit(Stream::kRawLeft);
+  return streams;
+}
+
+void BoardPlan::want() {
+  if (!identity_) return;
+  wanted_.streams = settings_.topic_input ? streams_of_pairs() : streams_of_cameras();
+  wanted_.host_input = settings_.topic_input;
+  wanted_.frame_interval = settings_.frame_interval;
+  wanted_.mid_exposure = std::chrono::microseconds(std::lround(settings_.mid_exposure_ms * 1000));
+  // Raw images of every frame where somebody wants them, of some for verification alone.
+  const bool always = !unable_.empty() || wants_raw(demand_.left) || wants_raw(demand_.right) ||
+                      cameras_.any() || shifted();
+  wanted_.raw_interval = settings_.verify > 0 && !always ? settings_.verify : 1;
+}
+
+}  // namespace fpga_stereo

@@ -1,0 +1,155 @@
+// What a board is told to do, for what others ask for.
+#include "fpga_stereo/ros/board_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include "ros/rig.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+using link::Stream;
+
+constexpr unsigned bit(Stream s) { return 1U << static_cast<unsigned>(s); }
+constexpr unsigned kDisparity = bit(Stream::kDisparity);
+constexpr unsigned kRawPair = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
+
+link::Identity identity() {
+  link::Identity made;
+  made.build = {640, 64, 11, 15, CensusPattern::kSparse, 102, 81 * 61};
+  return made;
+}
+
+CameraTopics::Infos calibration() {
+  const PairMessages pair = synthetic_pair({320, 240}, 4);
+  return {pair.left_info, pair.right_info};
+}
+
+/// A plan whose board is there, for what this asks for.
+struct Planned {
+  explicit Planned(const BoardSettings& s = {}) : settings(s), plan(settings) {
+    plan.set_calibration(calibration());
+    plan.set_identity(identity());
+  }
+  unsigned streams(const Demand& outputs, const CameraTopics::Demand& cameras = {}) {
+    plan.set_demand(outputs, cameras);
+    return plan.wanted().streams;
+  }
+  BoardSettings settings;
+  BoardPlan plan;
+};
+
+Demand demand(bool disparity, bool left_rect = false, bool right_rect = false) {
+  Demand made;
+  made.disparity = disparity;
+  made.left.rect = left_rect;
+  made.right.rect = right_rect;
+  return made;
+}
+
+TEST(BoardPlan, StreamsAreWhatSomebodyListensTo) {
+  Planned p;
+  EXPECT_EQ(p.plan.unable(), "");
+  EXPECT_EQ(p.streams(demand(false)), 0U);
+  EXPECT_EQ(p.streams(demand(true)), kDisparity);
+  EXPECT_EQ(p.streams(demand(true, true)), kDisparity | bit(Stream::kRectifiedLeft));
+  EXPECT_EQ(p.streams(demand(false, false, true)), bit(Stream::kRectifiedRight));
+  EXPECT_EQ(p.streams(demand(true), {true, false, false}), kDisparity | bit(Stream::kRawLeft));
+  EXPECT_EQ(p.streams(demand(false), {false, false, true}), bit(Stream::kRawLeft))
+      << "a camera_info needs something that tells its stamp";
+  EXPECT_TRUE(p.plan.wants(Stream::kRawLeft));
+  EXPECT_FALSE(p.plan.wants(Stream::kDisparity));
+}
+
+TEST(BoardPlan, TheRightImageOfAShiftedSearchIsRectifiedHere) {
+  Planned p;
+  Settings settings;
+  settings.pipeline.min_disparity = 8;
+  p.plan.set_settings(settings);
+  ASSERT_EQ(p.plan.unable(), "");
+  EXPECT_EQ(p.streams(demand(true, false, true)), kDisparity | bit(Stream::kRawRight));
+}
+
+TEST(BoardPlan, VerificationNeedsRawImagesOfSomeFrames) {
+  BoardSettings settings;
+  settings.verify = 30;
+  Planned p(settings);
+  EXPECT_EQ(p.streams(demand(true)), kDisparity | kRawPair);
+  EXPECT_EQ(p.plan.wanted().raw_interval, 30);
+  EXPECT_EQ(p.streams(demand(false, true)), bit(Stream::kRectifiedLeft));
+  p.streams(demand(true), {true, false, false});
+  EXPECT_EQ(p.plan.wanted().raw_interval, 1) << "somebody looks at them";
+}
+
+TEST(BoardPlan, WhatTheBoardCannotDoIsMadeOfRawImages) {
+  Planned p;
+  Settings settings;
+  settings.pipeline.disparity_range = 128;
+  p.plan.set_settings(settings);
+  EXPECT_NE(p.plan.unable().find("disparity_range"), std::string::npos) << p.plan.unable();
+  EXPECT_EQ(p.streams(demand(true)), kRawPair);
+  const auto made = p.plan.made(p.plan.wanted().tag);
+  ASSERT_TRUE(made);
+  EXPECT_FALSE(made->rectification);
+  ASSERT_TRUE(p.plan.wanted().configuration) << "its cameras still send";
+  p.plan.set_settings({});
+  EXPECT_EQ(p.plan.unable(), "");
+  EXPECT_EQ(p.plan.wanted().streams, kDisparity);
+  EXPECT_TRUE(p.plan.made(p.plan.wanted().tag)->rectification);
+}
+
+TEST(BoardPlan, ImagesTooLargeForTheBoardAreNotAskedFor) {
+  Planned p;
+  const PairMessages wide = synthetic_pair({800, 240}, 4);
+  p.plan.set_calibration({wide.left_info, wide.right_info});
+  EXPECT_NE(p.plan.unable().find("640"), std::string::npos) << p.plan.unable();
+  EXPECT_FALSE(p.plan.wanted().configuration);
+}
+
+TEST(BoardPlan, PairsOfTopicsWaitForACalibration) {
+  BoardSettings settings;
+  settings.topic_input = true;
+  BoardPlan plan(settings);
+  plan.set_identity(identity());
+  plan.set_demand(demand(true, false, true), {});
+  EXPECT_EQ(plan.unable(), "no calibrated pair has come on its topics yet");
+  EXPECT_EQ(plan.wanted().streams, 0U);
+  plan.set_calibration(calibration());
+  EXPECT_EQ(plan.unable(), "");
+  EXPECT_TRUE(plan.wanted().host_input);
+  EXPECT_EQ(plan.wanted().streams, kDisparity | bit(Stream::kRectifiedRight));
+  plan.set_demand(demand(false, true), {true, true, true});
+  EXPECT_EQ(plan.wanted().streams, kDisparity | bit(Stream::kRectifiedLeft))
+      << "raw images are on topics already; what came back is known by its disparity";
+}
+
+TEST(BoardPlan, ACalibrationHoldsUntilBothSidesOfTheNextAgree) {
+  Planned p;
+  const std::uint64_t tag = p.plan.wanted().tag;
+  CameraTopics::Infos next = calibration();
+  EXPECT_FALSE(*p.plan.offer_calibration(next)) << "it is the same";
+  next.left.P[0] = next.left.P[5] = 250;
+  const auto half = p.plan.offer_calibration(next);
+  ASSERT_FALSE(half);
+  EXPECT_EQ(p.plan.wanted().tag, tag);
+  next.right.P[3] *= 250 / next.right.P[0];
+  next.right.P[0] = next.right.P[5] = 250;
+  const auto whole = p.plan.offer_calibration(next);
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_TRUE(*whole);
+  EXPECT_GT(p.plan.wanted().tag, tag);
+  EXPECT_EQ(p.plan.made(p.plan.wanted().tag)->infos.left.P[0], 250);
+  EXPECT_EQ(p.plan.made(tag)->infos.left.P[0], calibration().left.P[0]) << "frames under way";
+}
+
+TEST(BoardPlan, ForgetsConfigurationsOfLongAgo) {
+  Planned p;
+  const std::uint64_t first = p.plan.wanted().tag;
+  for (int i = 1; i < 8; ++i) p.plan.set_settings({});
+  EXPECT_TRUE(p.plan.made(first));
+  p.plan.set_settings({});
+  EXPECT_FALSE(p.plan.made(first));
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test
