@@ -8,17 +8,24 @@
 // Latency   1 clock behind fs_camera
 // Handshake streams. Each sensor must give frames of exactly SensorHeight lines of exactly
 //           SensorWidth pixels. The first of a pair waits for the other for MaxSkew clocks.
-//           Anything else is an error: error_o for a clock, and both are dropped up to where
-//           frames begin that are no more than MaxSkew clocks apart.
-//           The last pixel of a frame goes out only when all of both sensors' frames has come and
-//           was right. A frame with an error, even below its last row, is one that is cut:
-//           fs_input completes and marks it. So rows that are none of a pair never pass for one.
-// Limits    MaxSkew: less than the time of a line. width_i, height_i: taken over where a frame
-//           begins; larger than the sensor's, all frames are cut.
+//           Nor do both stay away for MaxSilence clocks within a frame, as where fs_camera has no
+//           room for the rest of one. Anything else is an error:
+//           error_o for a clock, and both are dropped up to where frames begin that are no more than
+//           MaxSkew clocks apart.
+//           The last two pixels of a frame go out only when all of both sensors' frames has come and
+//           was right. A frame with an error, even below its last row, is one that is cut. What it
+//           lacks is made up at once: of each line one black pixel with eol, which fs_input fills
+//           up and marks, long before the sensors' next frame comes; fs_input would else do so when
+//           that waits, which no FIFO here could hold meanwhile. Of the last line no more than all
+//           pixels but one ever go out, so that it cannot pass for a whole one.
+// Limits    MaxSkew: less than the time of a line; MaxSilence: more than the blanking of a line.
+//           width_i, height_i: taken over where a frame begins; larger than the sensor's, all frames
+//           are cut.
 module fs_camera_pair #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,
-  parameter int MaxSkew = 128
+  parameter int MaxSkew = 128,
+  parameter int MaxSilence = 16383
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -42,6 +49,7 @@ module fs_camera_pair #(
   output logic [7:0]  right_o
 );
   localparam int SkewBits = $clog2(MaxSkew + 1);
+  localparam int SilenceBits = $clog2(MaxSilence + 1);
   if (SensorWidth < 16 || SensorWidth > 2048 || SensorHeight < 1 || SensorHeight > 2048)
     initial $fatal(1, "fs_camera_pair: the sensor is %0d x %0d, allowed: 16 x 1 to 2048 x 2048",
                    SensorWidth, SensorHeight);
@@ -50,7 +58,7 @@ module fs_camera_pair #(
   logic synced_q;  // the words at the heads are of one frame, or of the two that begin next
   logic first_q, last_x_q, last_y_q;
   logic [11:0] x_q, y_q;
-  logic [11:0] left, top, left_q, top_q, right_q, bottom_q;
+  logic [11:0] left, top, left_q, top_q, right_q, bottom_q, height_q;
   assign left = width_i > 12'(SensorWidth) ? '0 : (12'(SensorWidth) - width_i) >> 1;
   assign top = height_i > 12'(SensorHeight) ? '0 : (12'(SensorHeight) - height_i) >> 1;
   always_ff @(posedge clk_i) begin
@@ -59,22 +67,27 @@ module fs_camera_pair #(
       top_q <= top;
       right_q <= left + width_i - 12'd1;
       bottom_q <= top + height_i - 12'd1;
+      height_q <= height_i;
     end
   end
 
   // What the two words at the heads are.
-  logic room, both, alone, right_words, waited, take, fails, starts;
+  logic room, both, alone, right_words, waited, silent, take, fails, starts;
+  logic completes;  // what goes out is the end of the frame before
   logic [1:0] begins;
   logic [SkewBits-1:0] skew_q;
+  logic [SilenceBits-1:0] silence_q;
   assign room = ~valid_o | ready_i;
   assign both = &valid_i;
-  assign begins = valid_i & sof_i;
+  // A line of one pixel begins no frame: it would never be taken.
+  assign begins = valid_i & sof_i & ~eol_i;
   assign right_words = sof_i == {2{first_q}} & eol_i == {2{last_x_q}} &
                        eof_i == {2{last_x_q & last_y_q}};
   assign alone = synced_q ? ^valid_i : ^begins;
   assign waited = alone & skew_q == SkewBits'(MaxSkew);
-  assign take = synced_q & both & right_words & room;
-  assign fails = synced_q & ((both & ~right_words) | waited);
+  assign silent = silence_q == SilenceBits'(MaxSilence);
+  assign take = synced_q & both & right_words & room & ~completes;
+  assign fails = synced_q & ((both & ~right_words) | waited | silent);
   assign starts = ~synced_q & (&begins);
   // Out of step, all but the first words of frames is dropped. What has waited too long is, too.
   assign ready_o = (synced_q ? {2{take}} : ~begins) | {2{waited}};
@@ -82,11 +95,13 @@ module fs_camera_pair #(
     if (!rst_ni) begin
       synced_q <= 1'b0;
       skew_q <= '0;
+      silence_q <= '0;
       error_o <= 1'b0;
     end else begin
       if (fails) synced_q <= 1'b0;
       else if (starts) synced_q <= 1'b1;
       skew_q <= alone & ~waited ? skew_q + 1'b1 : '0;
+      silence_q <= synced_q & ~first_q & valid_i == '0 & ~silent ? silence_q + 1'b1 : '0;
       error_o <= fails | waited;
     end
   end
@@ -108,29 +123,49 @@ module fs_camera_pair #(
     end
   end
 
-  // The window. Its last pixel waits for the rest of the sensors' frames.
-  logic shown, corner, whole, kept_q, passes;
-  logic [15:0] kept_data_q;
+  // The window. Its last two pixels are kept until the rest of the sensors' frames has come.
+  logic shown, keeps, corner, kept_q, passes, ends, whole, begins_window, ends_line;
+  logic [31:0] kept_data_q;
   assign shown = x_q >= left_q & x_q <= right_q & y_q >= top_q & y_q <= bottom_q;
   assign corner = x_q == right_q & y_q == bottom_q;
-  assign whole = last_x_q & last_y_q;
-  assign passes = take & (whole ? corner | kept_q : shown & ~corner);
+  assign keeps = shown & y_q == bottom_q & (x_q == right_q | x_q == right_q - 12'd1);
+  assign passes = take & shown & ~keeps;
+  assign ends = take & last_x_q & last_y_q;
+  assign whole = ends & (corner | kept_q);
+  assign begins_window = x_q == left_q & y_q == top_q;
+  assign ends_line = x_q == right_q | last_x_q;
+
+  // The frame's end: the pixels that were kept, or black ones in the place of lines.
+  logic ended_q, black;
+  logic [11:0] lines_q;  // that have not gone out
+  logic [1:0] tail_q;    // pixels that were kept and may go out
+  assign black = ended_q & lines_q != '0;
+  assign completes = black | tail_q != '0;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       valid_o <= 1'b0;
       kept_q <= 1'b0;
+      ended_q <= 1'b0;
+      lines_q <= '0;
+      tail_q <= '0;
       frame_o <= 1'b0;
     end else begin
-      if (room) valid_o <= passes;
-      if (fails | (take & whole)) kept_q <= 1'b0;
-      else if (take & corner) kept_q <= 1'b1;
-      frame_o <= take & whole;
+      if (room) valid_o <= passes | completes;
+      kept_q <= ~fails & ~ends & (kept_q | (take & corner));
+      ended_q <= fails | ends | (ended_q & ~take);
+      if (whole) lines_q <= '0;
+      else if (passes & begins_window) lines_q <= height_q;
+      else if ((passes & ends_line) | (black & room)) lines_q <= lines_q - 12'd1;
+      if (whole) tail_q <= 2'd2;
+      else if (room & tail_q != '0) tail_q <= tail_q - 2'd1;
+      frame_o <= ends;
     end
-    if (take & corner) kept_data_q <= data_i;
-    if (passes) begin
-      sof_o <= x_q == left_q & y_q == top_q;
-      eol_o <= x_q == right_q | last_x_q;
-      {left_o, right_o} <= kept_q ? kept_data_q : data_i;
+    if (take & keeps) kept_data_q <= {kept_data_q[15:0], data_i};
+    if (room) begin
+      sof_o <= passes & begins_window;
+      eol_o <= completes ? ~tail_q[1] : ends_line;
+      {left_o, right_o} <= tail_q[1] ? kept_data_q[31:16] : tail_q[0] ? kept_data_q[15:0]
+                           : black ? '0 : data_i;
     end
   end
 endmodule

@@ -9,14 +9,18 @@
 // Handshake stream out. fs_input holds it up where a frame comes before a row of ticks is
 //           complete: a row of clocks at most, some 270 pixels of 25 MHz where clk_i has 60.
 //           Depth is for that. It is held up longer, up to 41 rows of clocks, where a
-//           configuration is taken over while a line that is slow still has the frame before:
-//           then a frame is lost. errors_o, overruns_o: frames that were not whole, that found no
-//           room, modulo 256.
-// Limits    pixels come at no more than half of clk_i's rate
+//           configuration is taken over while a line that is slow still has the frame before; and
+//           up to a frame of clocks, where another height, or sensors that were away, let fs_input
+//           fill up the frame before. Then the frame is cut, fs_camera_pair makes up what it lacks,
+//           and the next one is whole. errors_o, overruns_o: frames that were not whole, that
+//           found no room, modulo 256.
+// Limits    Pixels come at no more than half of clk_i's rate. A frame and its blanking take longer than
+//           its ticks and what it is held up for: else the one behind it is cut, too.
 module fs_cameras #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,
   parameter int MaxSkew = 128,
+  parameter int MaxSilence = 16383,
   parameter int Depth = 1024
 ) (
   // The ports: {left, right}.
@@ -53,7 +57,8 @@ module fs_cameras #(
   logic pair_valid, pair_ready, pair_sof, pair_eol, error;
   logic [7:0] pair_left, pair_right;
   fs_camera_pair #(
-    .SensorWidth(SensorWidth), .SensorHeight(SensorHeight), .MaxSkew(MaxSkew)
+    .SensorWidth(SensorWidth), .SensorHeight(SensorHeight), .MaxSkew(MaxSkew),
+    .MaxSilence(MaxSilence)
   ) u_pair (
     .clk_i, .rst_ni, .width_i, .height_i, .valid_i(valid), .ready_o(ready), .sof_i(sof),
     .eol_i(eol), .eof_i(eof), .data_i(data), .error_o(error), .frame_o, .valid_o(pair_valid),
