@@ -62,7 +62,8 @@ module fs_top #(
   // behind it, a clock behind their ticks.
   input  logic        room_i,
   input  logic        bubble_room_i,
-  output logic        applied_o,  // a configuration has taken effect
+  output logic        pending_o,  // a configuration waits
+  output logic        applied_o,  // it has taken effect
   output logic        frame_in_o,
   output logic        cut_frame_o,  // of the frame that began last
   output logic        long_frame_o,
@@ -294,6 +295,7 @@ module fs_top #(
   );
 
   // What a link sends besides.
+  assign pending_o = pending;
   assign applied_o = apply;
   assign frame_in_o = frame_in;
   assign cut_frame_o = cut_frame;

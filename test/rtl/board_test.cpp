@@ -116,6 +116,7 @@ class BoardRig {
   }
   /// What came before a reset, and may have been cut.
   void forget() { decoder_ = {}; }
+  std::int64_t clocks() const { return clocks_; }
   /// Until one more frame has come.
   Assembled next_frame() {
     const std::size_t have = frames.size();
@@ -149,6 +150,7 @@ class BoardRig {
     board.pixclk_i = 0;
     if (sensor) show_pixels();
     for (int k = 0; k < 2; ++k) {
+      if (!board.sensor_rst_no) registers[k].reset();
       if (registers[k].clock(board.scl_o, (board.sda_o >> k & 1) != 0)) {
         board.sda_low_i |= 1 << k;
       } else {
@@ -324,6 +326,75 @@ TEST(Board, PatternToUsbAndReset) {
   rig.run(300);
   rig.forget();
   EXPECT_EQ(rig.read(spec::kRegStreams), 0U);
+}
+
+TEST(Board, TheSwitchChangesBetweenFrames) {
+  BoardRig rig;
+  rig.configure(rig.identity().build);
+  rig.write(spec::kRegStreams, kDisparityStream);
+  const cv::Mat1b black(kSensorHeight, kSensorWidth, std::uint8_t{0});
+  const auto send = [&] {
+    for (auto& sensor : rig.sensors) sensor.frame(black, {5, 20, 2000});
+  };
+  const cv::Mat1w dark = rig.software(cv::Mat1b(kHeight, kWidth, std::uint8_t{0}),
+                                      cv::Mat1b(kHeight, kWidth, std::uint8_t{0}));
+  const auto [left, right] = pattern();
+  const cv::Mat1w bright = rig.software(left, right);
+  // To the pattern: the frame of the cameras is cut, all of the pattern's are whole.
+  send();
+  rig.run(5000);
+  rig.board.sw_i = 1;
+  EXPECT_EQ(rig.next_frame().flags, link::kCutFrame);
+  for (int i = 0; i < 2; ++i) {
+    const Assembled frame = rig.next_frame();
+    ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
+    EXPECT_TRUE(same("disparity", bright, cv::Mat1w(frame.image)));
+  }
+  // Back to the cameras, in the middle of one of the pattern's and of one of theirs.
+  send();
+  rig.run(5000);
+  rig.board.sw_i = 0;
+  send();
+  const std::size_t from = rig.frames.size();
+  rig.run_until([&] { return rig.sensors[0].done(); });
+  rig.run(20000);
+  ASSERT_GE(rig.frames.size(), from + 2);
+  for (std::size_t i = from; i < rig.frames.size(); ++i) {
+    SCOPED_TRACE(i - from);
+    const Assembled& frame = rig.frames[i];
+    ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
+    const bool last = i + 1 == rig.frames.size();
+    EXPECT_TRUE(same("disparity", last ? dark : bright, cv::Mat1w(frame.image)));
+  }
+}
+
+TEST(Board, ThePatternOverTheSerialLineHoldsNoSettingsUp) {
+  BoardRig rig(2);
+  // Two bytes and more for a pixel.
+  const std::int64_t line_clocks = std::int64_t{kWidth} * kHeight * 20 * kBitClocks;
+  // Two requests over this line take less than a tenth of that.
+  const auto apply = [&] {
+    const std::uint32_t before = rig.read(spec::kRegConfiguration);
+    const std::int64_t start = rig.clocks();
+    rig.write(spec::kRegControl, 1);
+    EXPECT_EQ(rig.read(spec::kRegConfiguration), before + 1);
+    EXPECT_LT(rig.clocks() - start, line_clocks / 10);
+  };
+  rig.write(spec::kRegWidth, kWidth);
+  rig.write(spec::kRegHeight, kHeight);
+  apply();
+  rig.board.sw_i = 3;
+  rig.run(10000);
+  apply();
+  rig.write(spec::kRegStreams, kDisparityStream);
+  rig.run(10000);
+  // A frame that somebody asked for is as slow as the line; not so once settings wait for its end.
+  const std::uint32_t frames = rig.read(spec::kRegFramesIn);
+  rig.run(20000);
+  EXPECT_EQ(rig.read(spec::kRegFramesIn), frames);
+  rig.write(spec::kRegUniqueness, 500);
+  apply();
+  EXPECT_GT(rig.read(spec::kRegFramesIn), frames);
 }
 
 TEST(Board, RegistersOverTheSerialLine) {

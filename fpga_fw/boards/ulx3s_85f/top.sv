@@ -143,27 +143,45 @@ module top #(
   assign right_sda = sda_low ? 1'b0 : 1'bz;
 
   // The pattern, no faster than the link can carry its disparities: 30 frames of 640 x 480 a second
-  // over USB; over a serial line two bytes of ten bits for a pixel, and what a row's packet adds.
+  // over USB; over a serial line two bytes of ten bits for a pixel, and what a row's packet adds. A
+  // frame takes seconds there; so one that nobody asked for, or that a configuration waits for, is
+  // as fast as over USB.
   localparam int UsbRate = ClockHz < 9216000 ? ClockHz : 9216000;
   localparam int RateBits = $clog2(ClockHz + 1);
-  logic pattern_valid, pattern_ready, pattern_sof, pattern_eol;
+  logic streaming, slow_q, pattern_valid, pattern_ready, pattern_sof, pattern_eol;
   logic [7:0] pattern_left, pattern_right;
   test_pattern #(.ClockHz(ClockHz)) u_pattern (
     .clk_i(clk), .rst_ni(rst_n),
-    .rate_i(serial ? RateBits'(UartBaud / 24) : RateBits'(UsbRate)), .width_i(width),
+    .rate_i(slow_q ? RateBits'(UartBaud / 24) : RateBits'(UsbRate)), .width_i(width),
     .height_i(height), .valid_o(pattern_valid), .ready_i(pattern_ready), .sof_o(pattern_sof),
     .eol_o(pattern_eol), .left_o(pattern_left), .right_o(pattern_right)
   );
 
-  // Whose pixels go in. What is not chosen is dropped, so that it never holds anything up; a frame
-  // that the switch cuts is marked as such.
+  // Whose pixels go in. It changes where a frame of the pattern is about to begin, which waits while
+  // it is not chosen; the cameras are dropped meanwhile, so that they never are held up, and from
+  // then on to where one of their frames begins. One of theirs that the pattern cuts is marked.
   logic raw_valid, raw_ready, raw_sof, raw_eol;
   logic [7:0] raw_left, raw_right;
-  assign {raw_valid, raw_sof, raw_eol, raw_left, raw_right} = pattern
-      ? {pattern_valid, pattern_sof, pattern_eol, pattern_left, pattern_right}
-      : {cameras_valid, cameras_sof, cameras_eol, cameras_left, cameras_right};
-  assign cameras_ready = raw_ready | pattern;
-  assign pattern_ready = raw_ready | ~pattern;
+  logic pattern_q, synced_q, pattern_begins, leaves, cameras_pass;  // synced_q: the cameras' has begun
+  assign pattern_begins = pattern_valid & pattern_sof;
+  assign leaves = pattern_begins & ~pattern;
+  assign cameras_pass = ~pattern_q & (cameras_sof | synced_q);
+  assign {raw_valid, raw_sof, raw_eol, raw_left, raw_right} = pattern_q
+      ? {pattern_valid & ~leaves, pattern_sof, pattern_eol, pattern_left, pattern_right}
+      : {cameras_valid & cameras_pass, cameras_sof, cameras_eol, cameras_left, cameras_right};
+  assign cameras_ready = raw_ready | ~cameras_pass;
+  assign pattern_ready = raw_ready & pattern_q & ~leaves;
+  always_ff @(posedge clk) begin
+    if (!rst_n) begin
+      pattern_q <= 1'b0;
+      synced_q <= 1'b0;
+      slow_q <= 1'b0;
+    end else begin
+      if (pattern_begins) pattern_q <= pattern;
+      synced_q <= ~pattern_q & (synced_q | (cameras_valid & cameras_sof & raw_ready));
+      slow_q <= serial & streaming & (slow_q | (pattern_begins & pattern_ready));
+    end
+  end
 
   // RingRows: what is left of 208 block RAMs.
   fs_system #(
@@ -173,7 +191,8 @@ module top #(
     .clk_i(clk), .rst_ni(rst_n), .rx_valid_i(rx_valid), .rx_ready_o(rx_ready),
     .rx_data_i(rx_data), .tx_valid_o(tx_valid), .tx_ready_i(tx_ready), .tx_data_o(tx_data),
     .valid_i(raw_valid), .ready_o(raw_ready), .sof_i(raw_sof), .eol_i(raw_eol),
-    .left_i(raw_left), .right_i(raw_right), .width_o(width), .height_o(height)
+    .left_i(raw_left), .right_i(raw_right), .width_o(width), .height_o(height),
+    .streaming_o(streaming)
   );
 
   // LEDs.

@@ -45,6 +45,7 @@ module fs_link #(
   output logic [17:0] pixels_o,
   output logic        room_o,
   output logic        bubble_room_o,
+  output logic        streaming_o,     // STREAMS is not 0
   input  logic        applied_i,
   input  logic        frame_in_i,
   input  logic        cut_frame_i,
@@ -242,6 +243,7 @@ module fs_link #(
   always_ff @(posedge clk_i) begin
     room_o <= ~from_host | &source_room;
     bubble_room_o <= &source_room;
+    streaming_o <= streams != '0;
   end
 
   fs_packetizer #(.Clients(Clients), .First(2)) u_packetizer (

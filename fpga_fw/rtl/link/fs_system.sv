@@ -36,12 +36,14 @@ module fs_system #(
   input  logic [7:0]  left_i,
   input  logic [7:0]  right_i,
   output logic [11:0] width_o,  // of the images, in effect
-  output logic [11:0] height_o
+  output logic [11:0] height_o,
+  // Frames that begin are asked for, and no configuration waits for an end of the one under way.
+  output logic        streaming_o
 );
   localparam int MaxFrames = 64;
   logic write, read, read_valid, pixels_valid, pixels_ready, room, bubble_room, applied, frame_in;
   logic cut_frame, long_frame, raw_valid, raw_sof, rectified_valid, rectified_sof, rectified_error;
-  logic valid, sof, eol, eof, unused_bad;
+  logic valid, sof, eol, eof, unused_bad, streaming, pending;
   logic [7:0] address;
   logic [31:0] write_data, read_data;
   logic [17:0] pixels;
@@ -55,8 +57,8 @@ module fs_system #(
     .write_o(write), .read_o(read), .address_o(address), .data_o(write_data),
     .read_valid_i(read_valid), .data_i(read_data),
     .pixels_valid_o(pixels_valid), .pixels_ready_i(pixels_ready), .pixels_o(pixels),
-    .room_o(room), .bubble_room_o(bubble_room), .applied_i(applied), .frame_in_i(frame_in),
-    .cut_frame_i(cut_frame), .long_frame_i(long_frame), .width_i(width_o), .height_i(height_o),
+    .room_o(room), .bubble_room_o(bubble_room), .streaming_o(streaming), .applied_i(applied),
+    .frame_in_i(frame_in), .cut_frame_i(cut_frame), .long_frame_i(long_frame), .width_i(width_o), .height_i(height_o),
     .raw_valid_i(raw_valid), .raw_sof_i(raw_sof), .raw_i(raw),
     .rectified_valid_i(rectified_valid), .rectified_sof_i(rectified_sof),
     .rectified_error_i(rectified_error), .rectified_i(rectified),
@@ -74,11 +76,12 @@ module fs_system #(
     .left_i(pixels[15:8]), .right_i(pixels[7:0]),
     .valid_o(valid), .ready_i(1'b1), .sof_o(sof), .eol_o(eol), .eof_o(eof), .bad_o(unused_bad),
     .disparity_o(disparity),
-    .room_i(room), .bubble_room_i(bubble_room), .applied_o(applied), .frame_in_o(frame_in),
-    .cut_frame_o(cut_frame), .long_frame_o(long_frame), .width_o, .height_o,
+    .room_i(room), .bubble_room_i(bubble_room), .pending_o(pending), .applied_o(applied),
+    .frame_in_o(frame_in), .cut_frame_o(cut_frame), .long_frame_o(long_frame), .width_o, .height_o,
     .raw_valid_o(raw_valid), .raw_sof_o(raw_sof), .raw_left_o(raw[7:0]), .raw_right_o(raw[15:8]),
     .rectified_valid_o(rectified_valid), .rectified_sof_o(rectified_sof),
     .rectified_error_o(rectified_error), .rectified_left_o(rectified[7:0]),
     .rectified_right_o(rectified[15:8])
   );
+  always_ff @(posedge clk_i) streaming_o <= streaming & ~pending;
 endmodule

@@ -56,6 +56,11 @@ class TwoWireSensor {
  public:
   explicit TwoWireSensor(std::uint8_t address) : address_(address) {}
 
+  /// A reset that is under way: what was being written is forgotten.
+  void reset() {
+    scl_ = sda_ = true;
+    open_ = false;
+  }
   /// In each clock the lines as they are; gives whether the sensor pulls SDA low.
   bool clock(bool scl, bool sda) {
     ++since_;
