@@ -1,16 +1,15 @@
 // What the registers of the sensor MT9V034 are set to: 752 x 480 at 30 frames a second.
 //
-// Formula   with SYSCLK = 25 MHz a row is 752 + 835 clocks, a frame 480 + 45 rows: 30.0 frames a
-//           second. The rows take most of the frame's time, so that the link has it, too, to send
-//           them (640 px of disparity: 21 MB/s).
+// Formula   with SYSCLK = 25 MHz a row is 752 + 835 clocks, 63.48 us, a frame 480 + 45 rows: 30.0
+//           frames a second. The rows take most of the frame's time, so that the link has it, too,
+//           to send them (640 px of disparity: 21 MB/s). The exposure is 236 rows, 14.98 ms, always
+//           and in both: so one number tells how far its middle is before the first pixel.
 // C++ twin  kSensorTable in test/rtl/board_test.cpp
 // Handshake none: a table, index_i to entry
-// Limits    Register numbers are those of the data sheet of the MT9V034, context A; on the
-//           MT9V032 some are others (0xAD is 0xBD there). Reset values are written, too, where
-//           the pair depends on them. Both sensors are masters with the same clock, reset and
-//           writes, so that they stay in step; each has automatic exposure and gain of its own.
-//           An exposure of more than 480 rows would make one's frames longer than the other's:
-//           therefore 0xAD.
+// Limits    Register numbers are those of the data sheet of the MT9V034, context A. Reset
+//           values are written, too, where the pair depends on them. Both sensors are masters with
+//           the same clock, reset and writes, so that they stay in step; each has automatic gain of
+//           its own. More than 480 rows of exposure would make the frames longer.
 module fs_mt9v034 (
   input  logic [3:0]  index_i,
   output logic [7:0]  register_o,
@@ -28,10 +27,9 @@ module fs_mt9v034 (
       4'd5: {register_o, value_o} = {8'h05, 16'd835};   // horizontal blanking, clocks
       4'd6: {register_o, value_o} = {8'h06, 16'd45};    // vertical blanking, rows
       4'd7: {register_o, value_o} = {8'h0D, 16'h0300};  // no binning, no flip
-      4'd8: {register_o, value_o} = {8'hAC, 16'd1};     // shortest exposure, rows
-      4'd9: {register_o, value_o} = {8'hAD, 16'd480};   // longest exposure, rows
+      4'd8: {register_o, value_o} = {8'h0B, 16'd236};   // exposure, rows
       default: begin
-        {register_o, value_o} = {8'hAF, 16'h0003};      // automatic exposure and gain
+        {register_o, value_o} = {8'hAF, 16'h0002};      // automatic gain, exposure as it is written
         last_o = 1'b1;
       end
     endcase

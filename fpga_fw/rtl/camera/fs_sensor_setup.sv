@@ -7,7 +7,7 @@
 // C++ twin  TwoWireSensor in test/rtl/link/sensor_port.hpp, the other end
 // Schedule  reset low for 1 ms, 1 ms of rest, the table at BitHz; a failure is tried again after
 //           100 ms, silence after TimeoutMs
-// Latency   with 11 entries 6 ms after the reset
+// Latency   with 10 entries 6 ms after the reset
 // Handshake the table is combinational: index_o to register_i, value_i, last_i. frame_i: a pulse
 //           for each whole pair of frames. Lines are open drain: low where *_low_o, else the
 //           pull-up's.
