@@ -6,9 +6,7 @@
 // Schedule  tick      the pixel, its place on the frame: registered
 //           clock 1   into fs_stream_fifo; room_o follows in clock 3
 //           Bad frames: two sources tell, each in the order of frames: the input (frame_in_i, then
-//           frame_bad_i) and rectify (buffer_sof_i, then buffer_error_i). The flag of the frame
-//           that a source began last is a register; those of older frames in flight wait in a
-//           small memory, at the frame's number.
+//           frame_bad_i) and rectify (buffer_sof_i, then buffer_error_i).
 // Latency   3 clocks from the tick to valid_o.
 // Handshake raster in, stream out. room_o says that the FIFO can take 4 words more, and one for each
 //           of EnableClocks: so many may be on their way when fs_input reads it, whose en_o comes
@@ -72,7 +70,7 @@ module fs_output #(
   assign last = last_column & last_row_q;
 
   // Bad frames, by source: 0 the input, 1 rectify.
-  logic [1:0] began, told, bad_q;
+  logic [1:0] began, told, bad;
   assign began = {tick & buffer_sof_i, frame_in_i};
   assign told = {tick & buffer_error_i, frame_bad_i};
   logic [FrameBits-1:0] out_q;  // number of the frame that leaves next
@@ -81,24 +79,10 @@ module fs_output #(
     else if (frame_out_o) out_q <= out_q + 1'b1;
   end
   for (genvar source = 0; source < 2; source++) begin : g_source
-    (* ram_style = "distributed" *) logic older[0:MaxFrames-1];
-    logic [FrameBits-1:0] newest_q;
-    logic flag_q, was_newest_q, was_flag_q, was_older_q;
-    always_ff @(posedge clk_i) begin
-      if (began[source]) older[newest_q] <= flag_q;
-      if (!rst_ni) begin
-        newest_q <= '1;
-        flag_q <= 1'b0;
-      end else begin
-        if (began[source]) newest_q <= newest_q + 1'b1;
-        flag_q <= told[source] | (flag_q & ~began[source]);
-      end
-      // All three as of the same clock.
-      was_newest_q <= out_q == newest_q;
-      was_flag_q <= flag_q;
-      was_older_q <= older[out_q];
-      bad_q[source] <= was_newest_q ? was_flag_q : was_older_q;
-    end
+    fs_frame_flags #(.MaxFrames(MaxFrames), .Flags(1), .Readers(1)) u_flags (
+      .clk_i, .rst_ni, .began_i(began[source]), .told_i(told[source]), .number_i(out_q),
+      .flags_o(bad[source])
+    );
   end
 
   // The word.
@@ -109,10 +93,10 @@ module fs_output #(
     last_y_q <= height_i - 12'd1;
     y_q <= y;
     last_row_q <= y_q == last_y_q;
-    word_q <= {last & |bad_q, last, last_column, sof_i, disparity_i};
+    word_q <= {last & |bad, last, last_column, sof_i, disparity_i};
     push_q <= rst_ni & take;
     frame_out_o <= rst_ni & take & last;
-    buffer_frame_o <= rst_ni & take & last & bad_q[1];
+    buffer_frame_o <= rst_ni & take & last & bad[1];
   end
 
   logic unused_ready;

@@ -2,9 +2,8 @@
 //
 // Formula   flag f of frame n is set if told_i[f] was high from the began_i of frame n on, up to the
 //           next one.
-// C++ twin  none: fs_output joins the same into its one flag
-// Schedule  as in fs_output: the newest frame's flags are registers, those of older frames wait in a
-//           small memory.
+// C++ twin  none
+// Schedule  the newest frame's flags are registers, those of older frames wait in a small memory.
 // Latency   2 clocks from number_i, and from told_i, to flags_o.
 // Limits    MaxFrames as in fs_input.
 module fs_frame_flags #(
