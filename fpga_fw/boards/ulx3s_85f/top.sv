@@ -158,11 +158,12 @@ module top #(
   );
 
   // Whose pixels go in. It changes where a frame of the pattern is about to begin, which waits while
-  // it is not chosen; the cameras are dropped meanwhile, so that they never are held up, and from
-  // then on to where one of their frames begins. One of theirs that the pattern cuts is marked.
+  // it is not chosen. Pixels of the cameras are dropped while they are not, so that they are never
+  // held up, and then to where a frame begins. One of theirs that the pattern cuts is marked.
   logic raw_valid, raw_ready, raw_sof, raw_eol;
   logic [7:0] raw_left, raw_right;
-  logic pattern_q, synced_q, pattern_begins, leaves, cameras_pass;  // synced_q: the cameras' has begun
+  logic pattern_q, pattern_begins, leaves, cameras_pass;
+  logic synced_q;  // a frame of the cameras has begun
   assign pattern_begins = pattern_valid & pattern_sof;
   assign leaves = pattern_begins & ~pattern;
   assign cameras_pass = ~pattern_q & (cameras_sof | synced_q);

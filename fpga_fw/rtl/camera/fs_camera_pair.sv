@@ -8,19 +8,18 @@
 // Latency   1 clock behind fs_camera
 // Handshake streams. Each sensor must give frames of exactly SensorHeight lines of exactly
 //           SensorWidth pixels. The first of a pair waits for the other for MaxSkew clocks.
-//           Nor do both stay away for MaxSilence clocks within a frame, as where fs_camera has no
-//           room for the rest of one. Anything else is an error:
-//           error_o for a clock, and both are dropped up to where frames begin that are no more than
-//           MaxSkew clocks apart.
-//           The last two pixels of a frame go out only when all of both sensors' frames has come and
-//           was right. A frame with an error, even below its last row, is one that is cut. What it
-//           lacks is made up at once: of each line one black pixel with eol, which fs_input fills
-//           up and marks, long before the sensors' next frame comes; fs_input would else do so when
-//           that waits, which no FIFO here could hold meanwhile. Of the last line no more than all
-//           pixels but one ever go out, so that it cannot pass for a whole one.
+//           Within a frame both do not stay away for MaxSilence clocks, as they do where fs_camera
+//           has no room for the rest of it. Anything else is an error: error_o for a clock, and
+//           both are dropped up to where frames begin that are no more than MaxSkew clocks apart.
+//           The last two pixels of a frame go out only when all of both sensors' frames has come
+//           and was right. A frame with an error, even below its last row, is one that is cut. What
+//           it lacks is made up at once: of each line one black pixel with eol, which fs_input
+//           fills up and marks, long before the sensors' next frame comes; else fs_input would do
+//           so while that waits, which no FIFO here could hold. Of the last line at least one pixel
+//           never goes out then, so that it cannot pass for a whole one.
 // Limits    MaxSkew: less than the time of a line; MaxSilence: more than the blanking of a line.
-//           width_i, height_i: taken over where a frame begins; larger than the sensor's, all frames
-//           are cut.
+//           width_i, height_i: taken over where a frame begins; larger than the sensor's, all
+//           frames are cut.
 module fs_camera_pair #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,

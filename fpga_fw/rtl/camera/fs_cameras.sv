@@ -14,8 +14,8 @@
 //           fill up the frame before. Then the frame is cut, fs_camera_pair makes up what it lacks,
 //           and the next one is whole. errors_o, overruns_o: frames that were not whole, that
 //           found no room, modulo 256.
-// Limits    Pixels come at no more than half of clk_i's rate. A frame and its blanking take longer than
-//           its ticks and what it is held up for: else the one behind it is cut, too.
+// Limits    Pixels come at no more than half of clk_i's rate. A frame and its blanking take longer
+//           than its ticks and what it is held up for: else the one behind it is cut, too.
 module fs_cameras #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,

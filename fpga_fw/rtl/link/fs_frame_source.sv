@@ -55,7 +55,7 @@ module fs_frame_source #(
   );
 
   logic write, kind_push, room_q, leader_room_q;
-  logic [Bits:0] write_at, commit, read_q;
+  logic [Bits:0] write_at, commit, read;
   logic [31:0] data;
   logic [1:0] kind_in;
   fs_frame_writer #(
@@ -71,24 +71,12 @@ module fs_frame_source #(
   );
 
   // The ring, read ahead up to what is complete.
-  localparam int Ahead = 8, OnTheWay = 3;
-  logic [31:0] ring[0:RingWords-1];
-  logic [31:0] ring_q, ring_qq, head;
-  logic read, read_1q, read_2q, head_valid, head_ready, unused_ready;
-  logic [$clog2(Ahead):0] ahead;
-  assign read = read_q != commit & ahead <= ($clog2(Ahead) + 1)'(Ahead - OnTheWay);
-  always_ff @(posedge clk_i) begin
-    if (write) ring[write_at[Bits-1:0]] <= data;
-    ring_q <= ring[read_q[Bits-1:0]];
-    ring_qq <= ring_q;
-    read_1q <= rst_ni & read;
-    read_2q <= rst_ni & read_1q;
-    if (!rst_ni) read_q <= '0;
-    else if (read) read_q <= read_q + 1'b1;
-  end
-  fs_stream_fifo #(.Bits(32), .Depth(Ahead)) u_ahead (
-    .clk_i, .rst_ni, .valid_i(read_2q), .ready_o(unused_ready), .data_i(ring_qq),
-    .valid_o(head_valid), .ready_i(head_ready), .data_o(head), .count_o(ahead)
+  logic [31:0] head;
+  logic head_valid, head_ready;
+  fs_ring_reader #(.Words(RingWords)) u_ring (
+    .clk_i, .rst_ni, .write_i(write), .at_i(write_at), .data_i(data), .end_i(commit),
+    .jump_i(1'b0), .to_i((Bits + 1)'(0)), .read_o(read), .valid_o(head_valid), .ready_i(head_ready),
+    .data_o(head)
   );
 
   logic kind_valid, kind_ready, unused_kind_ready;
@@ -105,7 +93,7 @@ module fs_frame_source #(
   assign few_packets = packets <= ($clog2(MaxPackets) + 1)'(MaxPackets / 2);
   assign some_packets = packets <= ($clog2(MaxPackets) + 1)'(MaxPackets - 4);
   always_ff @(posedge clk_i) begin
-    used_q <= write_at - read_q;
+    used_q <= write_at - read;
     room_q <= used_q <= (Bits + 1)'(RingWords - Reserve - 2) & some_packets;
     leader_room_q <= used_q <= (Bits + 1)'(RingWords - Reserve - LeaderWords - 2) & some_packets;
     room_o <= rst_ni & used_q <= (Bits + 1)'(RingWords - Slack) & few_packets;

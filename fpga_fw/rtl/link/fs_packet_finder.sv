@@ -54,48 +54,33 @@ module fs_packet_finder #(
   if (RingBytes != 1 << Bits || RingBytes < fs_pkg::LinkMaxHostPayloadBytes + 64)
     initial $fatal(1, "fs_packet_finder: RingBytes is %0d, allowed: 8192, 16384, ..", RingBytes);
 
-  // Positions in the stream, with a bit more than the ring has: what comes next, and is read next;
-  // what is taken next; the first byte that is not decided upon.
-  logic [Bits:0] write_q, read_q, at_q, base_q;
+  // Positions in the stream, with a bit more than the ring has: what comes next; what is taken next;
+  // the first byte that is not decided upon.
+  logic [Bits:0] write_q, at_q, base_q;
   logic write, ready_q;
   assign ready_o = ready_q;
   assign write = valid_i & ready_q;
 
   // The ring, read ahead into a small FIFO.
-  localparam int Ahead = 8, OnTheWay = 3;
-  logic [7:0] ring[0:RingBytes-1];
-  logic [7:0] ring_q, ring_qq, head;
-  logic read, read_1q, read_2q, rewind, head_valid, take, unused_ready;
-  logic [Bits:0] to;
-  logic [$clog2(Ahead):0] ahead;
-  assign read = read_q != write_q & ahead <= ($clog2(Ahead) + 1)'(Ahead - OnTheWay);
-  always_ff @(posedge clk_i) begin
-    if (write) ring[write_q[Bits-1:0]] <= data_i;
-    ring_q <= ring[read_q[Bits-1:0]];
-    ring_qq <= ring_q;
-  end
-  fs_stream_fifo #(.Bits(8), .Depth(Ahead)) u_ahead (
-    .clk_i, .rst_ni(rst_ni & ~rewind),
-    .valid_i(read_2q), .ready_o(unused_ready), .data_i(ring_qq),
-    .valid_o(head_valid), .ready_i(take), .data_o(head), .count_o(ahead)
+  logic [7:0] head;
+  logic rewind, head_valid, take;
+  logic [Bits:0] to, unused_read;
+  fs_ring_reader #(.Bits(8), .Words(RingBytes)) u_ring (
+    .clk_i, .rst_ni, .write_i(write), .at_i(write_q), .data_i, .end_i(write_q), .jump_i(rewind),
+    .to_i(to), .read_o(unused_read), .valid_o(head_valid), .ready_i(take), .data_o(head)
   );
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       write_q <= '0;
-      read_q <= '0;
       at_q <= '0;
       ready_q <= 1'b0;
     end else begin
       if (write) write_q <= write_q + 1'b1;
       // A clock late: two bytes may come meanwhile.
       ready_q <= write_q - base_q < (Bits + 1)'(RingBytes - 4);
-      if (rewind) read_q <= to;
-      else if (read) read_q <= read_q + 1'b1;
       if (rewind) at_q <= to;
       else if (take) at_q <= at_q + 1'b1;
     end
-    read_1q <= rst_ni & read & ~rewind;
-    read_2q <= rst_ni & read_1q & ~rewind;
   end
 
   // Silence: the line could bring a byte and does not.
@@ -247,5 +232,5 @@ module fs_packet_finder #(
     end
   end
   logic unused;
-  assign unused = ^{header_q, unused_ready};
+  assign unused = ^header_q;
 endmodule
