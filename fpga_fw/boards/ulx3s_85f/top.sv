@@ -157,8 +157,8 @@ module top #(
     .eol_o(pattern_eol), .left_o(pattern_left), .right_o(pattern_right)
   );
 
-  // Whose pixels go in. It changes where a frame of the pattern is about to begin, which waits while
-  // it is not chosen. Pixels of the cameras are dropped while they are not, so that they are never
+  // Whose pixels go in. It changes where a frame of the pattern is about to begin, which waits
+  // while it is not chosen. Pixels of the cameras are dropped while they are not, so that they are never
   // held up, and then to where a frame begins. One of theirs that the pattern cuts is marked.
   logic raw_valid, raw_ready, raw_sof, raw_eol;
   logic [7:0] raw_left, raw_right;
