@@ -56,6 +56,18 @@ void Session::begin_anew() {
   identify();
 }
 
+void Session::failed(const Error& error) {
+  if (error.kind == ErrorKind::kIncompatible || ++attempts_ >= kAttempts) {
+    if (refusal_ != error.message) notes_.push_back(error.message);
+    refusal_ = error.message;
+    drop_jobs(error);
+    state_ = State::kRefused;
+    return;
+  }
+  notes_.push_back(error.message + "; trying again");
+  begin_anew();
+}
+
 void Session::want(const Wanted& wanted) {
   const auto same = [](const GatewareConfiguration& a, const GatewareConfiguration& b) {
     const auto equal = [](const RegisterWrite& x, const RegisterWrite& y) {
@@ -125,126 +137,6 @@ bool Session::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint
   frame.timestamp = timestamp;
   append_frame(frame, pair, 0, 0, kLinkMaxHostPayloadBytes, sequence_, outgoing_);
   return true;
-}
-
-// What comes.
-
-void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, double host) {
-  now_ = last_byte_ = now;
-  decoder_.push(bytes, size);
-  while (const auto packet = decoder_.next()) take(*packet, now, host);
-  deliver(host);
-}
-
-void Session::take(const Packet& packet, Time now, double host) {
-  last_packet_ = now;
-  if (packet.header.version != kVersion) {
-    incompatible_ = true;
-    failed({ErrorKind::kIncompatible, version_text(packet.header.version)});
-    return;
-  }
-  if (state_ == State::kClosed || state_ == State::kRefused) {
-    if (!under_way_) return;
-  }
-  switch (packet.header.type) {
-    case PacketType::kRegisters:
-    case PacketType::kWritten:
-    case PacketType::kRefused:
-      return take_answer(packet, now, host);
-    case PacketType::kLeader:
-    case PacketType::kRows:
-    case PacketType::kTrailer:
-      // Before the board is configured nothing is known about what made a frame.
-      if (tags_.empty() || packet.header.stream == Stream::kInput) return;
-      assembler_.add(packet, assembled_);
-      if (packet.header.type == PacketType::kLeader &&
-          assembler_.under_way(packet.header.stream) == packet.header.frame_id) {
-        sets_.begun(packet.header.stream, packet.header.frame_id);
-      }
-      return;
-    default:
-      return;
-  }
-}
-
-void Session::take_answer(const Packet& packet, Time now, double host) {
-  if (!under_way_ || packet.header.index != under_way_->id) return;  // a late one
-  if (clock_.add(under_way_->sent, packet.header.timestamp, host)) unstamped_ = false;
-  const Job job = std::move(jobs_.front());
-  const bool read = job.request.type == PacketType::kReadRegisters;
-  Result<std::vector<RegisterWrite>> result{std::vector<RegisterWrite>{}};
-  if (packet.header.type == PacketType::kRefused) {
-    result = Error{ErrorKind::kIo, "the board refuses a request: " + refusal_text(packet)};
-  } else if (read) {
-    const auto values = unpack_registers(packet);
-    bool expected = values && values->size() * 4 == job.request.payload.size();
-    for (std::size_t i = 0; expected && i < values->size(); ++i) {
-      expected = (*values)[i].address == get_u32(&job.request.payload[4 * i]);
-    }
-    if (!expected) {  // it is sent again in time
-      jobs_.front() = job;
-      return;
-    }
-    result = *values;
-  } else if (packet.header.type != PacketType::kWritten) {
-    jobs_.front() = job;
-    return;
-  }
-  under_way_.reset();
-  jobs_.pop_front();
-  now_ = now;
-  if (job.answer) {
-    job.answer(std::move(result));
-  } else if (!result) {
-    failed(result.error());
-  } else if (const Status status = job.done(*result); !status) {
-    incompatible_ = status.error().kind == ErrorKind::kIncompatible;
-    failed(status.error());
-  }
-}
-
-void Session::failed(const Error& error) {
-  if (error.kind == ErrorKind::kIncompatible || ++attempts_ >= kAttempts) {
-    if (refusal_ != error.message) notes_.push_back(error.message);
-    refusal_ = error.message;
-    drop_jobs(error);
-    state_ = State::kRefused;
-    return;
-  }
-  notes_.push_back(error.message + "; trying again");
-  begin_anew();
-}
-
-void Session::deliver(double host) {
-  for (Assembled& frame : assembled_) {
-    frame_came_ = true;
-    sets_.ended(std::move(frame), wanted_.streams, complete_);
-  }
-  assembled_.clear();
-  for (FrameSet& set : complete_) {
-    const auto after = tags_.upper_bound(set.configuration);
-    if (after == tags_.begin()) {
-      ++counters_.unknown_configuration;
-      notes_.push_back("frame dropped: it was made by configuration " +
-                       std::to_string(set.configuration) + ", which is not ours");
-      continue;
-    }
-    Received received{std::move(set), std::prev(after)->second, host, host};
-    if (wanted_.host_input) {
-      received.stamp = static_cast<double>(received.set.timestamp) * 1e-6;
-    } else if (const auto stamp = clock_.to_host(received.set.timestamp)) {
-      received.stamp = *stamp;
-    } else if (!unstamped_) {
-      unstamped_ = true;
-      notes_.push_back(
-          "no round trip to the board takes less than 10 ms: stamps are times of "
-          "arrival");
-    }
-    received_.push_back(std::move(received));
-    trouble_.clear();
-    ladder_ = 0;
-  }
-  complete_.clear();
 }
 
 // What is sent.
