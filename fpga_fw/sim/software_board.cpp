@@ -94,6 +94,11 @@ std::uint32_t SoftwareBoard::peek(std::uint32_t address) const {
   return registers_[address % registers_.size()];
 }
 
+void SoftwareBoard::hold_frame(bool held) {
+  frame_held_ = held;
+  if (!held && spec::kStatusPending.get(registers_[spec::kRegStatus]) != 0) apply();
+}
+
 bool SoftwareBoard::host_alive() const {
   return heard_ && time_us_ - last_heard_ < std::uint64_t{1000} * kHostTimeoutMs;
 }
@@ -193,6 +198,9 @@ void SoftwareBoard::refuse(const Header& request, std::uint32_t why) {
 void SoftwareBoard::write(std::uint32_t address, std::uint32_t value) {
   if (address >= registers_.size() || options_.wrong.count(address) != 0) return;
   std::uint32_t& held = registers_[address];
+  const bool in_shadow = (address >= spec::kRegWidth && address <= spec::kRegSpeckleRange) ||
+                         address == spec::kRegMeshData;
+  if (in_shadow) registers_[spec::kRegStatus] = 0;  // an apply that waits is withdrawn
   if (address == spec::kRegMeshData) {
     const std::uint32_t at = registers_[spec::kRegMeshAddress];
     auto& mesh = mesh_[spec::kMeshAddressCamera.get(at)];
@@ -217,7 +225,9 @@ void SoftwareBoard::write(std::uint32_t address, std::uint32_t value) {
         registers_[r] = 0;
       }
     }
-    if (spec::kControlApply.get(value) != 0) apply();
+    if (spec::kControlApply.get(value) == 0) return;
+    registers_[spec::kRegStatus] = spec::kStatusPending.put(1);
+    if (!frame_held_) apply();
     return;
   }
   if (address == spec::kRegErrors) {
@@ -236,6 +246,7 @@ void SoftwareBoard::write(std::uint32_t address, std::uint32_t value) {
 }
 
 void SoftwareBoard::apply() {
+  registers_[spec::kRegStatus] = 0;
   const auto field = [this](std::uint32_t address, spec::Field f) {
     return static_cast<int>(f.get(registers_[address]));
   };

@@ -44,6 +44,8 @@ class SoftwareBoard : public Board {
   void run(std::chrono::microseconds time) override;
 
   std::uint32_t peek(std::uint32_t address) const;
+  /// A frame is under way, and does not end: an apply waits for its end.
+  void hold_frame(bool held);
 
  private:
   /// What the pipeline made of a pair.
@@ -71,6 +73,7 @@ class SoftwareBoard : public Board {
   std::array<std::uint32_t, 256> registers_{};
   std::array<std::vector<std::uint32_t>, 2> mesh_;  // shadow, by node
   bool mesh_written_ = false;
+  bool frame_held_ = false;
 
   // In effect.
   Parameters parameters_;

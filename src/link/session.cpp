@@ -26,7 +26,6 @@ const char* name(Session::Step step) {
 void Session::opened(Time now) {
   now_ = last_packet_ = last_byte_ = now;
   next_step_ = now + options_.silence;
-  clock_.reset();
   outgoing_.clear();
   begin_anew();
 }
@@ -48,6 +47,8 @@ void Session::begin_anew() {
   deliver(0);
   sets_.reset(complete_);
   deliver(0);
+  clock_.reset();
+  board_time_.reset();
   identity_.reset();
   meshes_ = {};
   tags_.clear();

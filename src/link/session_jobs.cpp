@@ -27,6 +27,32 @@ std::uint32_t value_of(const Values& values, std::uint32_t address) {
   return 0;
 }
 
+std::vector<std::uint32_t> addresses(const Values& values) {
+  std::vector<std::uint32_t> all;
+  for (const RegisterWrite& v : values) all.push_back(v.address);
+  return all;
+}
+
+/// What the registers of a mesh show when nodes [first, first + count) have been written.
+Values behind_mesh(std::uint32_t right, const std::vector<std::uint32_t>& mesh, std::size_t first,
+                   std::size_t count) {
+  return {{spec::kRegMeshSignature, mesh_signature(mesh, first, count)},
+          {spec::kRegMeshAddress,
+           spec::kMeshAddressCamera.put(right) |
+               spec::kMeshAddressNode.put(static_cast<std::uint32_t>(first + count))}};
+}
+
+/// What the shadow shows when all of a configuration has been written, meshes last.
+Values shadow(const GatewareConfiguration& configuration) {
+  Values values = configuration.registers;
+  const std::vector<std::uint32_t>& last = configuration.mesh[1];
+  if (last.empty()) return values;
+  const std::size_t first = (last.size() - 1) / kMaxNodes * kMaxNodes;
+  const Values mesh = behind_mesh(1, last, first, last.size() - first);
+  values.insert(values.end(), mesh.begin(), mesh.end());
+  return values;
+}
+
 /// What was read is what was written.
 Status same(const Values& written, const Values& read) {
   for (std::size_t i = 0; i < written.size(); ++i) {
@@ -68,21 +94,16 @@ Status Session::identified(const Values& values) {
 
 void Session::write_back(const Values& writes) {
   begin(write_request(writes), [](const Values&) { return Status{}; });
-  std::vector<std::uint32_t> addresses;
-  for (const RegisterWrite& w : writes) addresses.push_back(w.address);
-  begin(read_request(addresses), [writes](const Values& read) { return same(writes, read); });
+  begin(read_request(addresses(writes)),
+        [writes](const Values& read) { return same(writes, read); });
 }
 
 void Session::write_mesh(std::uint32_t right, const std::vector<std::uint32_t>& mesh) {
   for (std::size_t first = 0; first < mesh.size(); first += kMaxNodes) {
     const std::size_t count = std::min(kMaxNodes, mesh.size() - first);
     begin(mesh_request(right != 0, mesh, first, count), [](const Values&) { return Status{}; });
-    const Values expected{
-        {spec::kRegMeshSignature, mesh_signature(mesh, first, count)},
-        {spec::kRegMeshAddress,
-         spec::kMeshAddressCamera.put(right) |
-             spec::kMeshAddressNode.put(static_cast<std::uint32_t>(first + count))}};
-    begin(read_request({spec::kRegMeshSignature, spec::kRegMeshAddress}),
+    const Values expected = behind_mesh(right, mesh, first, count);
+    begin(read_request(addresses(expected)),
           [expected](const Values& read) { return same(expected, read); });
   }
 }
@@ -102,24 +123,35 @@ void Session::configure() {
           return Status{};
         });
   begin(write_request({{spec::kRegControl, spec::kControlApply.put(1)}}),
-        [this, meshes = configuration.mesh](const Values&) {
+        [this, configuration](const Values&) {
           apply_deadline_ = now_ + kApplyTime;
-          await_apply(meshes);
+          await_apply(configuration);
           return Status{};
         });
 }
 
-void Session::await_apply(const Meshes& meshes) {
+void Session::await_apply(const GatewareConfiguration& configuration) {
+  // The shadow once more: a board that is reset before it applies has other values there, and what
+  // it has made active is worth nothing.
+  const Values expected = shadow(configuration);
+  std::vector<std::uint32_t> read = addresses(expected);
+  read.insert(read.end(), {spec::kRegErrors, spec::kRegStatus, spec::kRegConfiguration});
   // At the front: what else waits is for the configuration to come.
-  Job job{read_request({spec::kRegConfiguration, spec::kRegErrors}), {}, {}, now_ + kApplyPoll};
-  job.done = [this, meshes](const Values& v) -> Status {
+  Job job{read_request(read), {}, {}, now_ + kApplyPoll};
+  job.done = [this, configuration, expected](const Values& v) -> Status {
     if (spec::kErrorsConfig.get(value_of(v, spec::kRegErrors)) != 0) {
       return Error{ErrorKind::kInvalid, "the board refuses its configuration: ERRORS.config"};
     }
+    if (Status status = same(expected, v); !status) return status;
+    const bool pending = spec::kStatusPending.get(value_of(v, spec::kRegStatus)) != 0;
     const std::uint32_t now = value_of(v, spec::kRegConfiguration);
-    if (now != configuration_) {
+    if (!pending && now != configuration_) {
+      // An apply that was sent again may have taken effect each time.
+      if (now - configuration_ > static_cast<std::uint32_t>(options_.tries)) {
+        return Error{ErrorKind::kIo, kWasReset};
+      }
       configuration_ = now;
-      meshes_ = meshes;
+      meshes_ = configuration.mesh;
       ++counters_.configured;
       return {};
     }
@@ -127,7 +159,7 @@ void Session::await_apply(const Meshes& meshes) {
       return Error{ErrorKind::kTimeout,
                    "the board does not take its configuration: no frame has ended for 2 s"};
     }
-    await_apply(meshes);
+    await_apply(configuration);
     return {};
   };
   jobs_.push_front(std::move(job));
@@ -179,7 +211,7 @@ Status Session::polled(const Values& v) {
   if (value_of(v, spec::kRegConfiguration) != configuration_ ||
       value_of(v, spec::kRegStreams) != wanted_.streams) {
     if (configuration_stale_ || streams_stale_) return {};
-    return Error{ErrorKind::kIo, "the board was reset"};
+    return Error{ErrorKind::kIo, kWasReset};
   }
   board_.errors = value_of(v, spec::kRegErrors);
   board_.frames_in = value_of(v, spec::kRegFramesIn);

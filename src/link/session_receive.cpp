@@ -44,8 +44,20 @@ void Session::take(const Packet& packet, Time now, double host) {
   }
 }
 
+Status Session::check_clock(std::uint64_t board_time) {
+  const std::uint64_t before = board_time_.value_or(board_time);
+  board_time_ = board_time;
+  // The clock wraps; what is less than half of that ahead is later.
+  if (static_cast<std::int64_t>(board_time - before) >= 0) return {};
+  return Error{ErrorKind::kIo, kWasReset};
+}
+
 void Session::take_answer(const Packet& packet, Time now, double host) {
   if (!under_way_ || packet.header.index != under_way_->id) return;  // a late one
+  if (const Status same = check_clock(packet.header.timestamp); !same) {
+    if (state_ == State::kRefused) attempts_ = 0;  // it may have been seen to
+    return failed(same.error());
+  }
   if (clock_.add(under_way_->sent, packet.header.timestamp, host)) unstamped_ = false;
   const Job job = std::move(jobs_.front());
   const bool read = job.request.type == PacketType::kReadRegisters;

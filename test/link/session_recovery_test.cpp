@@ -72,20 +72,6 @@ TEST(Session, AThousandUnplugsInEveryState) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
-TEST(Session, ABoardThatWasResetIsConfiguredAgain) {
-  Streaming rig;
-  rig.want(4);
-  for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(rig.run_until([&] { return rig.good() > 10; }));
-    rig.run(i * 7);
-    rig.board.reset();
-    rig.received.clear();
-  }
-  ASSERT_TRUE(rig.run_until([&] { return rig.good() > 10; }));
-  rig.expect_true_frames();
-  EXPECT_TRUE(rig.noted("the board was reset"));
-}
-
 TEST(Session, ASilentBoardIsPurgedRestartedReopenedReset) {
   Streaming rig;
   rig.want(1);

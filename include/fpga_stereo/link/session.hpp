@@ -149,23 +149,28 @@ class Session {
   };
 
   using Meshes = std::array<std::vector<std::uint32_t>, 2>;  // left, right
+  static constexpr const char* kWasReset = "the board was reset";
 
   // session_jobs.cpp: what is asked, in which order.
   void identify();
   void configure();
   void write_back(const std::vector<RegisterWrite>& writes);
   void write_mesh(std::uint32_t right, const std::vector<std::uint32_t>& mesh);
-  void await_apply(const Meshes& meshes);
+  void await_apply(const GatewareConfiguration& configuration);
   void set_streams();
   void poll();
   Status identified(const std::vector<RegisterWrite>& values);
   Status polled(const std::vector<RegisterWrite>& values);
   void begin(Request request, std::function<Status(const std::vector<RegisterWrite>&)> done);
 
-  // session.cpp
+  // session_receive.cpp: what comes.
   void take(const Packet& packet, Time now, double host);
   void take_answer(const Packet& packet, Time now, double host);
+  /// The time of an answer: not behind that of the one before, or else the board was reset.
+  Status check_clock(std::uint64_t board_time);
   void deliver(double host);
+
+  // session.cpp
   void begin_anew();
   bool stalled() const;
   void send(const Request& request, std::uint16_t id);
@@ -202,6 +207,7 @@ class Session {
   std::map<std::uint32_t, std::uint64_t> tags_;  // from this configuration on
   std::uint32_t configuration_ = 0;              // of the board, as last read
   int attempts_ = 0;                             // to configure
+  std::optional<std::uint64_t> board_time_;      // us: when the last answer was sent
 
   std::deque<Job> jobs_;
   std::optional<UnderWay> under_way_;

@@ -1,0 +1,127 @@
+// A session whose board is reset, or takes a configuration later than one would think.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "fpga_stereo/link/session.hpp"
+#include "link/streaming_rig.hpp"
+
+namespace fpga_stereo::test {
+namespace {
+
+using link::Session;
+
+/// Whether these bytes of the host have the request that applies a configuration.
+bool applies(const SessionRig::Bytes& bytes) {
+  const auto apply = link::write_request({{spec::kRegControl, spec::kControlApply.put(1)}}).payload;
+  return std::search(bytes.begin(), bytes.end(), apply.begin(), apply.end()) != bytes.end();
+}
+
+/// A board that comes out of a reset with a configuration that it takes as it is.
+sim::SoftwareBoard::Options board_that_starts_sized() {
+  auto options = SessionRig::small_board();
+  options.wrong = {{spec::kRegWidth, 64}, {spec::kRegHeight, 24}};
+  return options;
+}
+
+// Behind a reset the board's clock is behind what it was, or, where that was close to a reset
+// itself, ahead.
+constexpr std::chrono::seconds kClocks[] = {std::chrono::seconds(0), std::chrono::seconds(60)};
+
+TEST(Session, ABoardThatWasResetIsConfiguredAgain) {
+  Streaming rig;
+  rig.want(4);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(rig.run_until([&] { return rig.good() > 10; }));
+    rig.run(i * 7);
+    rig.board.reset();
+  }
+  const std::size_t before = rig.good();
+  ASSERT_TRUE(rig.run_until([&] { return rig.good() > before + 10; }));
+  rig.expect_true_frames();
+  for (const Session::Received& r : rig.received) EXPECT_NEAR(r.stamp, r.arrived, 0.005);
+  EXPECT_TRUE(rig.noted("the board was reset"));
+  EXPECT_TRUE(rig.steps.empty());
+}
+
+TEST(Session, AResetIsToldByTheClockWhereNoRegisterTells) {
+  Streaming rig;
+  link::Wanted nothing;
+  nothing.as_it_is = true;
+  rig.session.want(nothing);
+  rig.run(1000);
+  ASSERT_EQ(rig.session.state(), Session::State::kReady);
+  rig.board.reset();
+  rig.run(1000);
+  EXPECT_TRUE(rig.noted("the board was reset"));
+  EXPECT_EQ(rig.session.state(), Session::State::kReady);
+}
+
+TEST(Session, AResetBeforeTheApplyIsNoticed) {
+  for (const auto clock : kClocks) {
+    Streaming rig(board_that_starts_sized());
+    int resets = 1;
+    rig.to_board = [&](SessionRig::Bytes& bytes) {
+      if (!applies(bytes) || resets-- <= 0) return;
+      rig.board.reset();
+      rig.board.run(clock);
+    };
+    rig.want(4);
+    ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; })) << rig.session.complaint();
+    rig.expect_true_frames();
+    EXPECT_LE(resets, 0);
+    EXPECT_EQ(rig.session.counters().configured, 1U);
+  }
+}
+
+TEST(Session, AResetBehindTheApplyIsNoticed) {
+  for (const auto clock : kClocks) {
+    Streaming rig(board_that_starts_sized());
+    rig.want(4, kAll);
+    ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
+    bool applied = false;
+    rig.to_board = [&](SessionRig::Bytes& bytes) { applied = applies(bytes); };
+    rig.to_host = [&](SessionRig::Bytes&) {
+      if (!std::exchange(applied, false)) return;
+      rig.to_board = nullptr;
+      rig.board.reset();
+      rig.board.run(clock);
+    };
+    rig.want(5);
+    ASSERT_TRUE(rig.run_until([&] { return rig.received.back().tag == 5 && rig.good() > 10; }))
+        << rig.session.complaint();
+    rig.expect_true_frames();
+    EXPECT_EQ(rig.session.counters().unknown_configuration, 0U);
+    EXPECT_TRUE(rig.steps.empty());
+  }
+}
+
+TEST(Session, AnApplyWhoseAnswerIsLostTakesEffectTwice) {
+  Streaming rig;
+  rig.want(4);
+  ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
+  int applied = 0;
+  bool lose = false;
+  rig.to_board = [&](SessionRig::Bytes& bytes) {
+    if (!applies(bytes)) return;
+    lose = ++applied == 1;
+    rig.board.hold_frame(applied == 2);
+  };
+  rig.to_host = [&](SessionRig::Bytes& bytes) {
+    if (std::exchange(lose, false)) bytes.clear();
+  };
+  rig.want(5);
+  ASSERT_TRUE(rig.run_until([&] { return applied == 2; }));
+  rig.run(30);
+  EXPECT_EQ(rig.session.counters().configured, 1U) << "one still waits";
+  rig.board.hold_frame(false);
+  rig.run(2000);
+  EXPECT_EQ(rig.session.counters().configured, 2U);
+  EXPECT_EQ(rig.board.peek(spec::kRegConfiguration), 3U);
+  EXPECT_FALSE(rig.noted("the board was reset"));
+  EXPECT_EQ(rig.received.back().tag, 5U);
+  rig.expect_true_frames();
+}
+
+}  // namespace
+}  // namespace fpga_stereo::test
