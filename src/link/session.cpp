@@ -26,6 +26,8 @@ const char* name(Session::Step step) {
 void Session::opened(Time now) {
   now_ = last_packet_ = last_byte_ = now;
   next_step_ = now + options_.silence;
+  attempts_ = 0;
+  refusal_.clear();
   outgoing_.clear();
   begin_anew();
 }
@@ -52,7 +54,6 @@ void Session::begin_anew() {
   identity_.reset();
   meshes_ = {};
   tags_.clear();
-  frame_came_ = false;
   next_poll_ = now_ + options_.poll;
   identify();
 }
@@ -61,7 +62,10 @@ void Session::failed(const Error& error) {
   if (error.kind == ErrorKind::kIncompatible || ++attempts_ >= kAttempts) {
     if (refusal_ != error.message) notes_.push_back(error.message);
     refusal_ = error.message;
+    refused_as_ = error.kind;
+    next_retry_ = now_ + options_.retry;
     drop_jobs(error);
+    tags_.clear();
     state_ = State::kRefused;
     return;
   }
@@ -86,9 +90,8 @@ void Session::want(const Wanted& wanted) {
       wanted.raw_interval != wanted_.raw_interval || wanted.host_input != wanted_.host_input ||
       wanted.mid_exposure != wanted_.mid_exposure;
   wanted_ = wanted;
-  if (state_ == State::kRefused && !incompatible_ && new_configuration) {
+  if (state_ == State::kRefused && refused_as_ != ErrorKind::kIncompatible && new_configuration) {
     attempts_ = 0;
-    refusal_.clear();
     begin_anew();
   }
 }
@@ -150,8 +153,8 @@ void Session::tick(Time now, double host) {
     decoder_.give_up();
     receive(nullptr, 0, now, host);
   }
-  if (now >= next_poll_ && jobs_.empty()) poll();
   settle();
+  if (now >= next_poll_ && jobs_.empty()) poll();
   start_jobs(now, host);
   watch(now);
 }
@@ -199,7 +202,7 @@ void Session::drop_jobs(const Error& error) {
 // The watchdog.
 
 bool Session::stalled() const {
-  if (state_ != State::kStreaming) return false;
+  if (state_ != State::kStreaming || now_ - last_frame_ < options_.stall) return false;
   const auto allowed = static_cast<std::uint32_t>(options_.periods * wanted_.frame_interval);
   return board_.frames_in - input_at_frame_ > allowed;
 }
@@ -211,15 +214,16 @@ void Session::watch(Time now) {
 }
 
 void Session::step(Time now, const std::string& why) {
+  // First: what is under way comes out of it, and is no sign that the line works.
+  const int rung = ladder_;
+  begin_anew();
   trouble_ = why;
-  step_ = static_cast<Step>(ladder_);
-  ladder_ = std::min(ladder_ + 1, kSteps - 1);
+  step_ = static_cast<Step>(rung);
+  ladder_ = std::min(rung + 1, kSteps - 1);
   ++counters_.steps[static_cast<std::size_t>(*step_)];
   notes_.push_back(why + ": " + name(*step_));
   next_step_ = now + options_.step;
   last_packet_ = now;
-  input_at_frame_ = board_.frames_in;
-  begin_anew();
 }
 
 }  // namespace fpga_stereo::link

@@ -78,14 +78,11 @@ void Session::identify() {
 Status Session::identified(const Values& values) {
   identity_ = Identity::from_values(values);
   if (Status status = identity_->check(); !status) return status;
-  incompatible_ = false;
-  refusal_.clear();
   state_ = State::kConfiguring;
   // Nothing comes that nobody has asked for, until it is known what the board computes.
   write_back({{spec::kRegStreams, 0}});
-  begin(read_request({spec::kRegConfiguration, spec::kRegFramesIn}), [this](const Values& v) {
+  begin(read_request({spec::kRegConfiguration}), [this](const Values& v) {
     configuration_ = value_of(v, spec::kRegConfiguration);
-    input_at_frame_ = value_of(v, spec::kRegFramesIn);
     return Status{};
   });
   configuration_stale_ = streams_stale_ = true;
@@ -167,6 +164,10 @@ void Session::await_apply(const GatewareConfiguration& configuration) {
 
 void Session::set_streams() {
   streams_stale_ = false;
+  // From here on frames are due: pairs that went in before are no sign of a stall.
+  last_frame_ = now_;
+  frame_came_ = true;
+  input_at_frame_ = board_.frames_in;
   const auto interval = [](int pairs) { return static_cast<std::uint32_t>(pairs); };
   write_back(
       {{spec::kRegInput, spec::kInputHost.put(wanted_.host_input ? 1 : 0)},
@@ -190,15 +191,17 @@ void Session::settle() {
   }
   if (streams_stale_) return set_streams();
   attempts_ = 0;
+  refusal_.clear();
   state_ = wanted_.streams == 0 ? State::kReady : State::kStreaming;
 }
 
 void Session::poll() {
   next_poll_ = now_ + options_.poll;
   if (state_ == State::kRefused) {
-    // It may be flashed while its line stays open.
-    if (incompatible_) identify();
-    return;
+    // It may be flashed while its line stays open. What else it has refused may pass: a frame that
+    // did not end, resets by a weak supply.
+    if (refused_as_ == ErrorKind::kIncompatible) return identify();
+    if (now_ >= next_retry_) return begin_anew();
   }
   begin(read_request({spec::kRegErrors, spec::kRegFramesIn, spec::kRegFramesOut,
                       spec::kRegCutFrames, spec::kRegLongFrames, spec::kRegBufferErrors,
@@ -208,8 +211,10 @@ void Session::poll() {
 }
 
 Status Session::polled(const Values& v) {
-  if (value_of(v, spec::kRegConfiguration) != configuration_ ||
-      value_of(v, spec::kRegStreams) != wanted_.streams) {
+  const bool as_set = value_of(v, spec::kRegConfiguration) == configuration_ &&
+                      value_of(v, spec::kRegStreams) == wanted_.streams;
+  const bool set = state_ == State::kReady || state_ == State::kStreaming;
+  if (set && !as_set) {
     if (configuration_stale_ || streams_stale_) return {};
     return Error{ErrorKind::kIo, kWasReset};
   }
@@ -225,7 +230,10 @@ Status Session::polled(const Values& v) {
   board_.input_errors = value_of(v, spec::kRegInputErrors);
   if (frame_came_ || state_ != State::kStreaming) input_at_frame_ = board_.frames_in;
   frame_came_ = false;
-  if (state_ != State::kStreaming) ladder_ = 0;
+  if (state_ != State::kStreaming) {  // nothing else will tell that the line works again
+    trouble_.clear();
+    ladder_ = 0;
+  }
   return {};
 }
 

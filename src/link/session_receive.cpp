@@ -1,4 +1,5 @@
 // What a session makes of the bytes that come.
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -14,14 +15,11 @@ void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, dou
 }
 
 void Session::take(const Packet& packet, Time now, double host) {
+  if (state_ == State::kClosed) return;
   last_packet_ = now;
   if (packet.header.version != kVersion) {
-    incompatible_ = true;
     failed({ErrorKind::kIncompatible, version_text(packet.header.version)});
     return;
-  }
-  if (state_ == State::kClosed || state_ == State::kRefused) {
-    if (!under_way_) return;
   }
   switch (packet.header.type) {
     case PacketType::kRegisters:
@@ -33,6 +31,8 @@ void Session::take(const Packet& packet, Time now, double host) {
     case PacketType::kTrailer:
       // Before the board is configured nothing is known about what made a frame.
       if (tags_.empty() || packet.header.stream == Stream::kInput) return;
+      last_frame_ = now;
+      frame_came_ = true;
       assembler_.add(packet, assembled_);
       if (packet.header.type == PacketType::kLeader &&
           assembler_.under_way(packet.header.stream) == packet.header.frame_id) {
@@ -87,14 +87,12 @@ void Session::take_answer(const Packet& packet, Time now, double host) {
   } else if (!result) {
     failed(result.error());
   } else if (const Status status = job.done(*result); !status) {
-    incompatible_ = status.error().kind == ErrorKind::kIncompatible;
     failed(status.error());
   }
 }
 
 void Session::deliver(double host) {
   for (Assembled& frame : assembled_) {
-    frame_came_ = true;
     sets_.ended(std::move(frame), wanted_.streams, complete_);
   }
   assembled_.clear();
@@ -117,9 +115,12 @@ void Session::deliver(double host) {
           "no round trip to the board takes less than 10 ms: stamps are times of "
           "arrival");
     }
+    const auto& images = received.set.images;
+    if (std::any_of(images.begin(), images.end(), [](const cv::Mat& i) { return !i.empty(); })) {
+      trouble_.clear();
+      ladder_ = 0;
+    }
     received_.push_back(std::move(received));
-    trouble_.clear();
-    ladder_ = 0;
   }
   complete_.clear();
 }

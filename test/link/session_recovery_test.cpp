@@ -116,6 +116,84 @@ TEST(Session, CamerasThatDeliverNothingAreNoStall) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
+TEST(Session, ALineCutInAFrameIsPurgedRestartedReopenedReset) {
+  for (const bool keep_incomplete : {false, true}) {
+    Streaming rig;
+    Session::Options options;
+    options.frames.keep_incomplete = keep_incomplete;
+    rig.session = Session(options);
+    rig.session.opened(rig.now);
+    rig.want(1);
+    ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
+    bool cut = false;
+    rig.to_host = [&](SessionRig::Bytes& bytes) {
+      if (cut) bytes.clear();
+      if (bytes.size() < 600) return;
+      bytes.resize(bytes.size() / 2);
+      cut = true;
+    };
+    rig.run(9000);
+    ASSERT_GE(rig.steps.size(), 4U);
+    const std::vector<Step> expected{Step::kPurge, Step::kRestart, Step::kReopen, Step::kReset};
+    EXPECT_EQ(std::vector<Step>(rig.steps.begin(), rig.steps.begin() + 4), expected);
+    EXPECT_EQ(rig.session.complaint(), "the board does not answer");
+  }
+}
+
+TEST(Session, StreamsThatAreSwitchedOnAreNoStall) {
+  Streaming rig;
+  rig.frame_ms = 40;              // more than ten between two polls
+  for (int i = 0; i < 40; ++i) {  // at all times between two polls
+    rig.want(1, 0);
+    rig.run(913);
+    ASSERT_EQ(rig.session.state(), State::kReady);
+    rig.want(1);
+    rig.run(100);
+    EXPECT_TRUE(rig.steps.empty()) << i;
+  }
+}
+
+TEST(Session, TheComplaintEndsWithTheTroubleWhereNothingIsStreamed) {
+  Streaming rig;
+  rig.want(1, 0);
+  rig.run(1000);
+  rig.line_open = false;
+  ASSERT_TRUE(rig.run_until([&] { return !rig.steps.empty(); }));
+  EXPECT_EQ(rig.session.complaint(), "the board does not answer");
+  rig.line_open = true;
+  rig.run(2000);
+  EXPECT_EQ(rig.session.state(), State::kReady);
+  EXPECT_EQ(rig.session.complaint(), "");
+}
+
+TEST(Session, ABoardThatRefusesASettingIsLeftInPeace) {
+  auto options = SessionRig::small_board();
+  options.wrong = {{spec::kRegSpeckleSize, 9}};
+  Streaming rig(options);
+  rig.want(8);
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }));
+  const auto requests = rig.session.counters().requests;
+  rig.run(35000);
+  EXPECT_EQ(rig.session.state(), State::kRefused);
+  EXPECT_TRUE(rig.steps.empty());
+  EXPECT_EQ(rig.notes.size(), 3U) << "said once, behind two attempts";
+  EXPECT_NEAR(static_cast<double>(rig.session.counters().requests - requests), 70, 40)
+      << "heartbeats, and three attempts";
+}
+
+TEST(Session, ARefusalThatPassesIsTriedAgain) {
+  Streaming rig;
+  rig.board.hold_frame(true);
+  rig.want(8);
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }, 10000));
+  EXPECT_EQ(rig.session.complaint(),
+            "the board does not take its configuration: no frame has ended for 2 s");
+  rig.board.hold_frame(false);
+  ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }, 11000));
+  rig.expect_true_frames();
+  EXPECT_TRUE(rig.steps.empty());
+}
+
 TEST(Session, FramesOfAnUnknownConfigurationAreDropped) {
   Streaming rig;
   // The board goes on with what another host has configured.

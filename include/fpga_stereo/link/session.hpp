@@ -62,7 +62,9 @@ class Session {
     std::chrono::milliseconds silence{3 * kHeartbeatMs};  // until the watchdog's first step
     std::chrono::milliseconds step{1000};                 // between its steps
     std::chrono::milliseconds poll{kHeartbeatMs};
-    int periods = 10;  // of frames: so many without one are a stall; at least 1 s
+    std::chrono::milliseconds retry{10000};  // of a configuration that the board has refused
+    int periods = 10;                        // of frames: so many without one are a stall;
+    std::chrono::milliseconds stall{1000};   // at least this
     FrameAssembler::Options frames;
   };
 
@@ -184,6 +186,7 @@ class Session {
   Options options_;
   State state_ = State::kClosed;
   std::string refusal_;  // of the board, or of its settings
+  ErrorKind refused_as_ = ErrorKind::kIo;
   std::string trouble_;  // what the watchdog acts upon
   std::optional<Identity> identity_;
   BoardCounters board_;
@@ -214,10 +217,11 @@ class Session {
   std::uint16_t next_id_ = 0;
   Time now_{}, next_poll_{}, last_packet_{}, next_step_{};
   Time last_byte_{}, apply_deadline_{};
-  bool incompatible_ = false;         // why it is refused: the board, not a setting
-  bool frame_came_ = false;           // since the last poll
+  Time next_retry_{};
+  Time last_frame_{};                 // when a part of one came, or was asked for
+  bool frame_came_ = false;           // or a part of one, since the last poll
   bool unstamped_ = false;            // that frames have times of arrival was said
-  std::uint32_t input_at_frame_ = 0;  // FRAMES_IN when a frame last came
+  std::uint32_t input_at_frame_ = 0;  // FRAMES_IN at the poll behind that
   int ladder_ = 0;
   std::optional<Step> step_;
 };
