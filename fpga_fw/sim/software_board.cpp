@@ -77,7 +77,7 @@ void SoftwareBoard::reset() {
   for (auto& mesh : mesh_) mesh.assign(static_cast<std::size_t>(options_.build.mesh_nodes), 0);
   active_mesh_ = mesh_;
   mesh_written_ = heard_ = false;
-  time_us_ = kFirstTime;
+  time_us_ = last_byte_ = last_heard_ = next_heartbeat_ = kFirstTime;
   sequence_ = kLinkFirstSequence;
   next_frame_ = ~std::uint64_t{0} << 32 | kLinkFirstFrame;
   pairs_ = sent_pairs_ = 0;

@@ -15,6 +15,8 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kReadBytes = 1 << 20;
 constexpr milliseconds kReadTime{5};  // until what others ask for is sent
+// A line that takes nothing must not keep what comes waiting: USB has buffers for 100 ms.
+constexpr milliseconds kWriteTime{10};
 constexpr milliseconds kGoodbye{500};
 
 double system_time() {
@@ -176,9 +178,12 @@ Status Device::exchange() {
   }
   const bool sending = sent_ < out_.size();
   if (sending) {
-    const auto sent = transport_->write(&out_[sent_], out_.size() - sent_, Transport::Timeout{0});
+    const double began = options_.host_clock();
+    const auto sent = transport_->write(&out_[sent_], out_.size() - sent_, kWriteTime);
     if (!sent) return sent.error();
     sent_ += *sent;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    session_.sent(*sent, Clock::now(), began);
   }
   const bool more = sent_ < out_.size();
   const auto came =

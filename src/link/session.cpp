@@ -6,8 +6,8 @@
 namespace fpga_stereo::link {
 namespace {
 
-constexpr int kAttempts = 3;  // to configure a board that does not hold what is written
-constexpr std::size_t kMostOutgoing = 4 << 20;  // bytes that wait: more is a board that takes none
+constexpr int kAttempts = 3;            // to configure a board that does not hold what is written
+constexpr std::size_t kKeptPairs = 64;  // that were sent: more than a board has under way
 
 }  // namespace
 
@@ -29,6 +29,7 @@ void Session::opened(Time now) {
   attempts_ = 0;
   refusal_.clear();
   outgoing_.clear();
+  queued_ = sent_ = pair_end_ = 0;
   begin_anew();
 }
 
@@ -37,18 +38,19 @@ void Session::closed() {
   identity_.reset();
   drop_jobs({ErrorKind::kGone, "the line to the board is lost"});
   assembler_.reset(assembled_);
-  deliver(0);
+  deliver();
   sets_.reset(complete_);
-  deliver(0);
+  deliver();
 }
 
 void Session::begin_anew() {
   drop_jobs({ErrorKind::kIo, "the board is identified anew"});
   decoder_.restart();
   assembler_.reset(assembled_);
-  deliver(0);
+  deliver();
   sets_.reset(complete_);
-  deliver(0);
+  deliver();
+  pairs_.clear();
   clock_.reset();
   board_time_.reset();
   identity_.reset();
@@ -132,21 +134,33 @@ void Session::ask(Request request, Answer answer) {
 
 bool Session::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
                         std::uint64_t timestamp) {
-  if (outgoing_.size() > kMostOutgoing) return false;
+  if (pair_end_ > sent_) return false;
   cv::Mat pair;
   cv::hconcat(left, right, pair);
   Header frame;
   frame.stream = Stream::kInput;
   frame.frame_id = frame_id;
   frame.timestamp = timestamp;
+  const std::size_t before = outgoing_.size();
   append_frame(frame, pair, 0, 0, kLinkMaxHostPayloadBytes, sequence_, outgoing_);
+  pair_end_ = queued_ += outgoing_.size() - before;
+  pairs_.emplace_back(frame_id, timestamp);
+  if (pairs_.size() > kKeptPairs) pairs_.pop_front();
   return true;
+}
+
+void Session::sent(std::size_t bytes, Time now, double host) {
+  sent_ += bytes;
+  if (!under_way_ || under_way_->deadline != Time::max() || sent_ < under_way_->end) return;
+  under_way_->deadline = now + options_.answer;
+  if (under_way_->tries == 1) under_way_->sent = host;
 }
 
 // What is sent.
 
 void Session::tick(Time now, double host) {
   now_ = now;
+  host_ = host;
   if (state_ == State::kClosed) return;
   if (now - last_byte_ > std::chrono::milliseconds(kHostSilenceMs)) {
     last_byte_ = now;
@@ -155,40 +169,43 @@ void Session::tick(Time now, double host) {
   }
   settle();
   if (now >= next_poll_ && jobs_.empty()) poll();
-  start_jobs(now, host);
-  watch(now);
+  start_jobs();
+  watch();
 }
 
-void Session::start_jobs(Time now, double host) {
+void Session::start_jobs() {
   if (jobs_.empty()) return;
   if (!under_way_) {
-    if (now < jobs_.front().not_before) return;
-    under_way_ = UnderWay{++next_id_, 1, now + options_.answer, host};
+    if (now_ < jobs_.front().not_before) return;
+    under_way_ = UnderWay{++next_id_, 1, host_, 0, {}};
     ++counters_.requests;
-    return send(jobs_.front().request, under_way_->id);
+    return send_request();
   }
-  if (now < under_way_->deadline) return;
+  if (now_ < under_way_->deadline) return;
   if (under_way_->tries < options_.tries) {
     // With the same id: whichever answer comes is the answer. It is no measure of the clock.
     ++under_way_->tries;
     ++counters_.repeated;
-    under_way_->deadline = now + options_.answer;
-    under_way_->sent = host - 1;
-    return send(jobs_.front().request, under_way_->id);
+    under_way_->sent = host_ - 1;
+    return send_request();
   }
   const Job job = std::move(jobs_.front());
   jobs_.pop_front();
   under_way_.reset();
   if (job.answer) job.answer(Error{ErrorKind::kTimeout, "the board does not answer"});
-  step(now, "the board does not answer");
+  step("the board does not answer");
 }
 
-void Session::send(const Request& request, std::uint16_t id) {
+void Session::send_request() {
+  const Request& request = jobs_.front().request;
   Header header;
   header.type = request.type;
-  header.index = id;
+  header.index = under_way_->id;
   header.sequence = sequence_++;
+  const std::size_t before = outgoing_.size();
   append_packet(header, request.payload.data(), request.payload.size(), outgoing_);
+  under_way_->end = queued_ += outgoing_.size() - before;
+  under_way_->deadline = Time::max();
 }
 
 void Session::drop_jobs(const Error& error) {
@@ -207,13 +224,13 @@ bool Session::stalled() const {
   return board_.frames_in - input_at_frame_ > allowed;
 }
 
-void Session::watch(Time now) {
-  if (now < next_step_) return;
-  if (now - last_packet_ > options_.silence) return step(now, "nothing comes from the board");
-  if (stalled()) step(now, "the board takes images, and no frame comes");
+void Session::watch() {
+  if (now_ < next_step_) return;
+  if (now_ - last_packet_ > options_.silence) return step("nothing comes from the board");
+  if (stalled()) step("the board takes images, and no frame comes");
 }
 
-void Session::step(Time now, const std::string& why) {
+void Session::step(const std::string& why) {
   // First: what is under way comes out of it, and is no sign that the line works.
   const int rung = ladder_;
   begin_anew();
@@ -222,8 +239,8 @@ void Session::step(Time now, const std::string& why) {
   ladder_ = std::min(rung + 1, kSteps - 1);
   ++counters_.steps[static_cast<std::size_t>(*step_)];
   notes_.push_back(why + ": " + name(*step_));
-  next_step_ = now + options_.step;
-  last_packet_ = now;
+  next_step_ = now_ + options_.step;
+  last_packet_ = now_;
 }
 
 }  // namespace fpga_stereo::link

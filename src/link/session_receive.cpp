@@ -9,14 +9,15 @@ namespace fpga_stereo::link {
 
 void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, double host) {
   now_ = last_byte_ = now;
+  host_ = host;
   decoder_.push(bytes, size);
-  while (const auto packet = decoder_.next()) take(*packet, now, host);
-  deliver(host);
+  while (const auto packet = decoder_.next()) take(*packet);
+  deliver();
 }
 
-void Session::take(const Packet& packet, Time now, double host) {
+void Session::take(const Packet& packet) {
   if (state_ == State::kClosed) return;
-  last_packet_ = now;
+  last_packet_ = now_;
   if (packet.header.version != kVersion) {
     failed({ErrorKind::kIncompatible, version_text(packet.header.version)});
     return;
@@ -25,13 +26,13 @@ void Session::take(const Packet& packet, Time now, double host) {
     case PacketType::kRegisters:
     case PacketType::kWritten:
     case PacketType::kRefused:
-      return take_answer(packet, now, host);
+      return take_answer(packet);
     case PacketType::kLeader:
     case PacketType::kRows:
     case PacketType::kTrailer:
       // Before the board is configured nothing is known about what made a frame.
       if (tags_.empty() || packet.header.stream == Stream::kInput) return;
-      last_frame_ = now;
+      last_frame_ = now_;
       frame_came_ = true;
       assembler_.add(packet, assembled_);
       if (packet.header.type == PacketType::kLeader &&
@@ -52,13 +53,13 @@ Status Session::check_clock(std::uint64_t board_time) {
   return Error{ErrorKind::kIo, kWasReset};
 }
 
-void Session::take_answer(const Packet& packet, Time now, double host) {
+void Session::take_answer(const Packet& packet) {
   if (!under_way_ || packet.header.index != under_way_->id) return;  // a late one
   if (const Status same = check_clock(packet.header.timestamp); !same) {
     if (state_ == State::kRefused) attempts_ = 0;  // it may have been seen to
     return failed(same.error());
   }
-  if (clock_.add(under_way_->sent, packet.header.timestamp, host)) unstamped_ = false;
+  if (clock_.add(under_way_->sent, packet.header.timestamp, host_)) unstamped_ = false;
   const Job job = std::move(jobs_.front());
   const bool read = job.request.type == PacketType::kReadRegisters;
   Result<std::vector<RegisterWrite>> result{std::vector<RegisterWrite>{}};
@@ -81,7 +82,6 @@ void Session::take_answer(const Packet& packet, Time now, double host) {
   }
   under_way_.reset();
   jobs_.pop_front();
-  now_ = now;
   if (job.answer) {
     job.answer(std::move(result));
   } else if (!result) {
@@ -91,7 +91,12 @@ void Session::take_answer(const Packet& packet, Time now, double host) {
   }
 }
 
-void Session::deliver(double host) {
+bool Session::is_hosts(const FrameSet& set) const {
+  return std::find(pairs_.begin(), pairs_.end(), PairKey{set.frame_id, set.timestamp}) !=
+         pairs_.end();
+}
+
+void Session::deliver() {
   for (Assembled& frame : assembled_) {
     sets_.ended(std::move(frame), wanted_.streams, complete_);
   }
@@ -104,8 +109,8 @@ void Session::deliver(double host) {
                        std::to_string(set.configuration) + ", which is not ours");
       continue;
     }
-    Received received{std::move(set), std::prev(after)->second, host, host};
-    if (wanted_.host_input) {
+    Received received{std::move(set), std::prev(after)->second, host_, host_};
+    if (is_hosts(received.set)) {
       received.stamp = static_cast<double>(received.set.timestamp) * 1e-6;
     } else if (const auto stamp = clock_.to_host(received.set.timestamp)) {
       received.stamp = *stamp;

@@ -66,7 +66,13 @@ void SessionRig::run(int ms) {
     board.run(Milliseconds(1));
     if (!pairs.empty() && ms_ % frame_ms == 0) board.feed(pairs[next_pair_++ % pairs.size()]);
 
-    Bytes out = std::exchange(session.outgoing(), {});
+    const Bytes more = std::exchange(session.outgoing(), {});
+    waiting_.insert(waiting_.end(), more.begin(), more.end());
+    const auto end =
+        waiting_.begin() + static_cast<std::ptrdiff_t>(std::min(waiting_.size(), bytes_per_ms));
+    Bytes out(waiting_.begin(), end);
+    waiting_.erase(waiting_.begin(), end);
+    session.sent(out.size(), now, host);
     if (to_board) to_board(out);
     if (line_open && !out.empty()) board.from_host(out.data(), out.size());
     Bytes in;

@@ -43,6 +43,7 @@ class SessionRig {
   link::Session session;
   std::vector<sim::RawPair> pairs;  // what the cameras see, in turns
   int frame_ms = 20;
+  std::size_t bytes_per_ms = 1 << 20;             // that the line takes from the host
   bool line_open = true;                          // false: nothing passes either way
   std::function<void(Bytes&)> to_host, to_board;  // faults
   std::vector<link::Session::Received> received;
@@ -53,6 +54,7 @@ class SessionRig {
 
  private:
   int ms_ = 0;
+  Bytes waiting_;  // for the line
   std::size_t next_pair_ = 0;
 };
 

@@ -141,27 +141,6 @@ TEST(Session, RawImagesOfEveryNthPair) {
   EXPECT_NEAR(raw, static_cast<double>(rig.received.size() - 4) / 3, 1);
 }
 
-TEST(Session, PairsOfTheHostComeBackWithItsNumbersAndStamps) {
-  Streaming rig;
-  link::Wanted wanted = rig.wanted(SessionRig::setting(5), 5, kDisparity);
-  wanted.host_input = true;
-  rig.session.want(wanted);
-  ASSERT_TRUE(rig.run_until([&] { return rig.streaming(); }));
-  for (std::uint64_t i = 0; i < 6; ++i) {
-    ASSERT_TRUE(rig.session.send_pair(rig.pairs[i % 2].left, rig.pairs[i % 2].right, 100 + i,
-                                      1600000000000000 + 33333 * i));
-    rig.run(5);
-  }
-  ASSERT_EQ(rig.received.size(), 6U) << "and none of the cameras";
-  for (std::size_t i = 0; i < 6; ++i) {
-    const Session::Received& r = rig.received[i];
-    EXPECT_EQ(r.set.frame_id, 100 + i);
-    EXPECT_EQ(r.set.timestamp, 1600000000000000 + 33333 * i);
-    EXPECT_TRUE(same("disparity", SessionRig::expected(rig.pairs[i % 2], SessionRig::setting(5)),
-                     r.set.image(Stream::kDisparity)));
-  }
-}
-
 // Boards that this software cannot work with.
 
 struct Misfit {

@@ -15,6 +15,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fpga_stereo/link/decoder.hpp"
@@ -103,8 +104,10 @@ class Session {
   void receive(const std::uint8_t* bytes, std::size_t size, Time now, double host);
   /// To be called again and again, at least each 20 ms.
   void tick(Time now, double host);
-  /// Bytes to be sent; the caller takes them out.
+  /// Bytes to be sent; the caller takes them out, and says when they go.
   std::vector<std::uint8_t>& outgoing() { return outgoing_; }
+  /// So many of those have been given to the line. `host`: s, when that began.
+  void sent(std::size_t bytes, Time now, double host);
 
   /// The watchdog asks for this, once.
   std::optional<Step> take_step();
@@ -117,8 +120,8 @@ class Session {
   using Answer = std::function<void(Result<std::vector<RegisterWrite>>)>;
   void ask(Request request, Answer answer);
 
-  /// A pair for a board whose images come from the host. False: the board has not taken the one
-  /// before, and this one is not sent.
+  /// A pair for a board whose images come from the host. False: the line has not taken all of the
+  /// one before, and this one is not sent.
   bool send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
                  std::uint64_t timestamp);
 
@@ -146,10 +149,12 @@ class Session {
   struct UnderWay {
     std::uint16_t id;
     int tries;
-    Time deadline;
-    double sent;  // host, s
+    double sent;        // host, s
+    std::uint64_t end;  // of its bytes, among all that were ever queued
+    Time deadline;      // of the answer: from when the line has taken them
   };
 
+  using PairKey = std::pair<std::uint64_t, std::uint64_t>;   // frame_id, timestamp
   using Meshes = std::array<std::vector<std::uint32_t>, 2>;  // left, right
   static constexpr const char* kWasReset = "the board was reset";
 
@@ -166,20 +171,22 @@ class Session {
   void begin(Request request, std::function<Status(const std::vector<RegisterWrite>&)> done);
 
   // session_receive.cpp: what comes.
-  void take(const Packet& packet, Time now, double host);
-  void take_answer(const Packet& packet, Time now, double host);
+  void take(const Packet& packet);
+  void take_answer(const Packet& packet);
   /// The time of an answer: not behind that of the one before, or else the board was reset.
   Status check_clock(std::uint64_t board_time);
-  void deliver(double host);
+  /// Made of a pair that send_pair() has sent.
+  bool is_hosts(const FrameSet& set) const;
+  void deliver();
 
   // session.cpp
   void begin_anew();
   bool stalled() const;
-  void send(const Request& request, std::uint16_t id);
-  void start_jobs(Time now, double host);
+  void start_jobs();
+  void send_request();
   void failed(const Error& error);
-  void watch(Time now);
-  void step(Time now, const std::string& why);
+  void watch();
+  void step(const std::string& why);
   void drop_jobs(const Error& error);
   void settle();
 
@@ -201,6 +208,9 @@ class Session {
   std::vector<Received> received_;
   std::vector<std::string> notes_;
   std::vector<std::uint8_t> outgoing_;
+  std::uint64_t queued_ = 0, sent_ = 0;  // bytes, since the line was opened
+  std::uint64_t pair_end_ = 0;           // of the last pair, among those
+  std::deque<PairKey> pairs_;            // that were sent, the last of them
   std::uint32_t sequence_ = kLinkFirstSequence;
 
   Wanted wanted_;
@@ -215,6 +225,7 @@ class Session {
   std::deque<Job> jobs_;
   std::optional<UnderWay> under_way_;
   std::uint16_t next_id_ = 0;
+  double host_ = 0;  // s, the host's time of day at now_
   Time now_{}, next_poll_{}, last_packet_{}, next_step_{};
   Time last_byte_{}, apply_deadline_{};
   Time next_retry_{};
