@@ -3,6 +3,7 @@
 #include <libusb.h>
 
 #include <atomic>
+#include <mutex>
 #include <thread>
 
 #include "usb_device.hpp"
@@ -10,11 +11,16 @@
 namespace fpga_stereo::link {
 
 struct HotplugWatch::State {
+  std::mutex mutex;    // wait() makes the context where interrupt() may want it
   UsbContext context;  // none as long as libusb does not start
   libusb_hotplug_callback_handle callback = 0;
   bool registered = false;
   std::atomic<int> changed{0}, interrupted{0};
 
+  UsbContext get() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return context;
+  }
   void start();
   static int LIBUSB_CALL on_change(libusb_context*, libusb_device*, libusb_hotplug_event,
                                    void* state) {
@@ -26,7 +32,10 @@ struct HotplugWatch::State {
 void HotplugWatch::State::start() {
   const auto made = make_usb_context();
   if (!made) return;
-  context = *made;
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    context = *made;
+  }
   if (libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) == 0) return;
   const int events = LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT;
   registered = libusb_hotplug_register_callback(
@@ -49,16 +58,17 @@ bool HotplugWatch::wait(std::chrono::milliseconds timeout) {
   while (state_->changed == 0 && state_->interrupted == 0) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
     if (left.count() <= 0) break;
-    if (!state_->context) {
+    const UsbContext context = state_->get();
+    if (!context) {
       std::this_thread::sleep_for(std::min(left, std::chrono::milliseconds(100)));
       state_->start();
-      if (state_->context) state_->changed = 1;  // whatever has come until now
+      if (state_->get()) state_->changed = 1;  // whatever has come until now
       continue;
     }
     // In pieces: an interrupt between the question above and this call would be lost otherwise.
     const auto piece = std::min(left, std::chrono::milliseconds(500));
     timeval wait{0, static_cast<suseconds_t>(piece.count() * 1000)};
-    libusb_handle_events_timeout_completed(state_->context.get(), &wait, nullptr);
+    libusb_handle_events_timeout_completed(context.get(), &wait, nullptr);
   }
   if (state_->interrupted.exchange(0) != 0) return false;
   return state_->changed.exchange(0) != 0;
@@ -66,7 +76,7 @@ bool HotplugWatch::wait(std::chrono::milliseconds timeout) {
 
 void HotplugWatch::interrupt() {
   state_->interrupted = 1;
-  if (state_->context) libusb_interrupt_event_handler(state_->context.get());
+  if (const UsbContext context = state_->get()) libusb_interrupt_event_handler(context.get());
 }
 
 }  // namespace fpga_stereo::link

@@ -3,6 +3,8 @@
 // and any contents come in between, or time passes, or the line is lost. To be run by test/fuzz.
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
+#include <set>
 
 #include "link/session_rig.hpp"
 
@@ -15,6 +17,7 @@ using fpga_stereo::link::Stream;
 using fpga_stereo::test::SessionRig;
 
 constexpr unsigned kStreams = 0x3E;
+constexpr std::size_t kMostOutgoing = 8192;  // bytes: a request, some of them again
 
 class Program {
  public:
@@ -48,6 +51,36 @@ std::vector<std::uint8_t> packet(Program& program) {
   return bytes;
 }
 
+void require(bool what) {
+  if (!what) std::abort();
+}
+
+/// Whatever the board says: images of their stream's type, all of a set of one size, made by what
+/// was wanted.
+void check(const Session::Received& received, const std::set<std::uint64_t>& tags) {
+  require(tags.count(received.tag) != 0);
+  std::optional<cv::Size> size;
+  for (int s = 0; s < fpga_stereo::link::kNumStreams; ++s) {
+    const cv::Mat& image = received.set.image(static_cast<Stream>(s));
+    if (image.empty()) continue;
+    require((1U << s & kStreams) != 0);
+    require(image.type() == (static_cast<Stream>(s) == Stream::kDisparity ? CV_16UC1 : CV_8UC1));
+    require(image.size() == size.value_or(image.size()));
+    size = image.size();
+  }
+}
+
+/// Nobody waits for an answer for ever.
+void check_lost_line(Session& session, int& unanswered) {
+  session.ask(fpga_stereo::link::read_request({0}), [&](const auto&) { --unanswered; });
+  ++unanswered;
+  session.closed();
+  require(unanswered == 0);
+  bool refused = false;
+  session.ask(fpga_stereo::link::read_request({0}), [&](const auto& r) { refused = !r; });
+  require(refused);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -56,6 +89,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   SessionRig rig;
   Program program(data, std::min<std::size_t>(size, 2000));
   bool answers = false;
+  std::set<std::uint64_t> tags;
+  int unanswered = 0;
   rig.to_host = [&](std::vector<std::uint8_t>& bytes) {
     if (!answers) bytes.clear();
   };
@@ -75,27 +110,31 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         rig.session.receive(bytes.data(), bytes.size(), rig.now, rig.host);
         break;
       }
-      case 4:
-        rig.session.want(rig.wanted(settings[program.next() % 2], program.next(), kStreams));
+      case 4: {
+        const SessionRig::Setting& setting = settings[program.next() % 2];
+        const std::uint8_t tag = program.next();
+        tags.insert(tag);
+        rig.session.want(rig.wanted(setting, tag, kStreams));
         break;
+      }
       case 5:
         rig.pairs = {pair};
         break;
       case 6:
-        rig.session.closed();
+        check_lost_line(rig.session, unanswered);
         if (program.next() % 2 == 0) rig.board.reset();
         rig.session.opened(rig.now);
         break;
       default:
-        rig.session.ask(fpga_stereo::link::read_request({program.next()}), [](const auto&) {});
+        rig.session.ask(fpga_stereo::link::read_request({program.next()}),
+                        [&](const auto&) { --unanswered; });
+        ++unanswered;
         break;
     }
+    require(rig.session.outgoing().size() <= kMostOutgoing);
   }
-  for (const Session::Received& r : rig.received) {
-    for (const cv::Mat& image : r.set.images) {
-      if (!image.empty() && image.total() == 0) std::abort();
-    }
-  }
-  if (fpga_stereo::link::name(rig.session.state()) == nullptr) std::abort();
+  check_lost_line(rig.session, unanswered);
+  for (auto& r : rig.session.take_received()) rig.received.push_back(std::move(r));
+  for (const Session::Received& r : rig.received) check(r, tags);
   return 0;
 }

@@ -113,6 +113,19 @@ TEST_P(TransportTest, WriteEndsInTimeAndLosesNothing) {
   EXPECT_EQ(line_->take(sent.size()), sent);
 }
 
+TEST_P(TransportTest, WritesThatHaveLittleTimeLoseNothing) {
+  const Bytes sent = random_bytes(400000, 7);
+  std::thread reader([&] { EXPECT_TRUE(line_->take(sent.size()) == sent); });
+  std::size_t done = 0;
+  for (int i = 0; done < sent.size() && i < 20000; ++i) {
+    const auto went = transport_->write(&sent[done], sent.size() - done, Milliseconds(i % 2));
+    ASSERT_TRUE(went) << went.error().message;
+    done += *went;
+  }
+  reader.join();
+  EXPECT_EQ(done, sent.size());
+}
+
 TEST_P(TransportTest, MuchDataBothWaysAtOnce) {
   const Bytes in = random_bytes(3000000, 4), out = random_bytes(2000000, 5);
   std::size_t went = 0;
