@@ -32,6 +32,17 @@ void FrameSets::ended(Assembled&& frame, unsigned streams, std::vector<FrameSet>
     e.set.dropped.push_back(frame.text());
     e.set.verdicts.push_back(frame.verdict);
   }
+  const auto misfits = [&](const cv::Mat& i) {
+    return !i.empty() && i.size() != frame.image.size();
+  };
+  if (!frame.dropped() && std::any_of(e.set.images.begin(), e.set.images.end(), misfits)) {
+    // No board of ours: what is made of a set relies on it.
+    frame.image.release();
+    e.set.dropped.push_back(std::string(name(frame.stream)) + " frame " +
+                            std::to_string(frame.frame_id) +
+                            " dropped: another image of its pair has another size");
+    e.set.verdicts.push_back(Assembled::Verdict::kBadSignature);
+  }
   if (!frame.dropped()) e.set.images[stream] = std::move(frame.image);
 
   // Raw images come of some pairs only: they are waited for where they have begun.

@@ -108,6 +108,20 @@ TEST(FrameSets, ALostFrameHoldsNothingUpForLong) {
   EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
 }
 
+TEST(FrameSets, ImagesOfOnePairHaveOneSize) {
+  Sets s;
+  s.end(Stream::kRectifiedLeft, 7, kTwo);
+  Assembled other = frame(Stream::kDisparity, 7);
+  other.image = cv::Mat1w(4, 5);
+  s.sets.ended(std::move(other), kTwo, s.out);
+  ASSERT_EQ(s.out.size(), 1U);
+  EXPECT_FALSE(s.out[0].image(Stream::kRectifiedLeft).empty());
+  EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
+  ASSERT_EQ(s.out[0].dropped.size(), 1U);
+  EXPECT_EQ(s.out[0].dropped[0],
+            "disparity frame 7 dropped: another image of its pair has another size");
+}
+
 TEST(FrameSets, AResetGivesWhatIsThere) {
   Sets s;
   s.end(Stream::kDisparity, 3, kTwo);

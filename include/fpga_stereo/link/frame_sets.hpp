@@ -15,7 +15,8 @@ struct FrameSet {
   std::uint64_t frame_id = 0;
   std::uint64_t timestamp = 0;  // us, board clock, mid-exposure; of host frames: the host's
   std::uint32_t configuration = 0;
-  std::array<cv::Mat, kNumStreams> images;   // by Stream; empty: did not come, or was dropped
+  // By Stream, all of one size; empty: did not come, or was dropped.
+  std::array<cv::Mat, kNumStreams> images;
   std::vector<std::string> dropped;          // what was dropped and why, for people
   std::vector<Assembled::Verdict> verdicts;  // of those
 
