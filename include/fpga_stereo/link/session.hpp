@@ -2,7 +2,8 @@
 // bytes and time, but neither threads nor transports: those are the device's (device.hpp).
 //
 //   closed -> identifying -> configuring -> ready (nothing is wanted) or streaming
-//                         -> refused (another specification, or a setting that it does not hold)
+//                         -> refused (another specification, or a setting that it does not hold,
+//                            which is tried again now and then)
 //   Whatever is lost on the way, the watchdog's steps lead back to identifying: purge, restart,
 //   reopen, reset.
 #pragma once
