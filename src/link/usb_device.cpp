@@ -6,22 +6,27 @@
 #include <regex>
 #include <utility>
 
+#include "fpga_stereo/link/ftdi.hpp"
+
 namespace fpga_stereo::link {
 namespace {
 
 constexpr unsigned kRequestTimeout = 500;  // ms
 constexpr int kInterface = 0;
+constexpr std::uint8_t kReadEeprom = 0x90;
 
 /// A board that is plugged in.
 struct Board {
   std::shared_ptr<libusb_device> device;
   std::string port;  // "1-2.3"
   std::string serial, product;
-  int open_error = 0;  // of libusb; serial and product are unknown then
+  int open_error = 0;   // of libusb; serial and product are unknown then
+  std::string no_fifo;  // why it is no board, as far as that is known
 
   std::string text() const {
     if (open_error != 0) return "port " + port + " (" + libusb_error_name(open_error) + ")";
-    return "serial number " + (serial.empty() ? "(none)" : serial) + " at port " + port;
+    const std::string why = no_fifo.empty() ? "" : " (" + no_fifo + ")";
+    return "serial number " + (serial.empty() ? "(none)" : serial) + " at port " + port + why;
   }
   std::string name() const {
     return "USB " + port + (serial.empty() ? "" : ", serial number " + serial);
@@ -137,6 +142,14 @@ Status find_endpoints(libusb_device* device, UsbDevice& opened) {
   return {};
 }
 
+/// Word 0 of the EEPROM. Asks the device, not its interface: whoever has that keeps it.
+Result<std::uint16_t> read_mode(const UsbDevice& device) {
+  std::uint8_t word[2] = {};
+  if (Status got = device.receive(kReadEeprom, 0, word, 2); !got) return got.error();
+  return static_cast<std::uint16_t>(word[0] | word[1] << 8);
+}
+
+/// Not claimed.
 Result<UsbDevice> open_board(const UsbContext& context, const Board& board) {
   UsbDevice opened;
   opened.context = context;
@@ -150,9 +163,13 @@ Result<UsbDevice> open_board(const UsbContext& context, const Board& board) {
                      libusb_close(handle);
                    }};
   if (const Status found = find_endpoints(board.device.get(), opened); !found) return found.error();
+  return opened;
+}
+
+Result<UsbDevice> claim(const UsbDevice& opened) {
   // ftdi_sio, where it is bound, makes a serial line of the chip.
-  libusb_set_auto_detach_kernel_driver(raw, 1);
-  if (const int code = libusb_claim_interface(raw, kInterface); code != 0) {
+  libusb_set_auto_detach_kernel_driver(opened.handle.get(), 1);
+  if (const int code = libusb_claim_interface(opened.handle.get(), kInterface); code != 0) {
     return usb_error(code, opened.name + " cannot be claimed");
   }
   return opened;
@@ -219,9 +236,19 @@ Result<UsbDevice> open_usb_device(const UsbSelection& selection) {
   }
   const auto context = make_usb_context();
   if (!context) return context.error();
-  const auto boards = find_boards(*context);
-  for (const auto& board : boards) {
-    if (is_selected(board, selection, regex)) return open_board(*context, board);
+  auto boards = find_boards(*context);
+  for (auto& board : boards) {
+    if (!is_selected(board, selection, regex)) continue;
+    const auto opened = open_board(*context, board);
+    if (!opened) return opened.error();
+    // Before it is claimed: other chips of this kind, serial adapters, keep their drivers.
+    const auto mode = read_mode(*opened);
+    if (!mode) return mode.error();
+    const bool first = selection.by == UsbSelection::By::kFirst;
+    const Status fifo = check_fifo_mode(*mode, first ? "it" : opened->name);
+    if (fifo) return claim(*opened);
+    if (!first) return fifo.error();
+    board.no_fifo = fifo.error().message;
   }
   return not_found(selection, boards);
 }

@@ -62,11 +62,26 @@ TEST(Usb, RefusesAChipThatIsNoFifo) {
     Options options;
     options.eeprom_mode = static_cast<std::uint16_t>(mode);
     UsbLine line(options);
-    const Error error = error_of("usb");
-    EXPECT_EQ(error.kind, ErrorKind::kIo);
-    says(error, mode == 0 ? "is not set to 245 FIFO mode" : "blank EEPROM");
-    says(error, "FT_Prog");
+    for (const char* name : {"usb", "usb:port=1-1"}) {
+      const Error error = error_of(name);
+      EXPECT_EQ(error.kind, name == std::string("usb") ? ErrorKind::kNotFound : ErrorKind::kIo);
+      says(error, mode == 0 ? "is not set to 245 FIFO mode" : "blank EEPROM");
+      says(error, "FT_Prog");
+    }
   }
+}
+
+TEST(Usb, LeavesOtherChipsToTheirDrivers) {
+  Options other = options_of("FT0", "1-1", "serial adapter");
+  other.eeprom_mode = 0;
+  UsbLine adapter(other);
+  adapter.chip.refuse_claims(EBUSY);
+  says(error_of("usb"), "serial number FT0 at port 1-1 (it is not set to 245 FIFO mode");
+  UsbLine board(options_of("FS7", "1-4"));
+  const auto transport = open_usb();
+  ASSERT_TRUE(transport);
+  EXPECT_EQ(transport->description(), "USB 1-4, serial number FS7");
+  EXPECT_EQ(adapter.chip.seen().resets, 0);
 }
 
 TEST(Usb, RefusesAChipThatDoesNotObey) {
