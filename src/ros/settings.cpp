@@ -7,6 +7,8 @@
 #include <sstream>
 #include <thread>
 
+#include "fpga_stereo/ros/parameter_reader.hpp"
+
 namespace fpga_stereo {
 namespace {
 
@@ -15,21 +17,6 @@ std::string text_of(const T& value) {
   std::ostringstream text;
   text << std::boolalpha << value;
   return text.str();
-}
-
-/// A parameter as the parameter server has it, as text.
-std::string text_of(XmlRpc::XmlRpcValue& value) {
-  using V = XmlRpc::XmlRpcValue;
-  if (value.getType() == V::TypeBoolean) return text_of(static_cast<bool&>(value));
-  if (value.getType() == V::TypeInt) return text_of(static_cast<int&>(value));
-  if (value.getType() == V::TypeDouble) return text_of(static_cast<double&>(value));
-  if (value.getType() == V::TypeString) return static_cast<std::string&>(value);
-  return value.toXml();
-}
-
-std::string refusal(const std::string& name, const std::string& value, const std::string& allowed,
-                    const std::string& used) {
-  return name + " = " + value + ": allowed " + allowed + "; using " + used;
 }
 
 dynamic_reconfigure::Config to_message(const StereoConfig& config) {
@@ -87,6 +74,17 @@ std::string allowed_unless(const std::string& name, const std::string& value) {
   return in_range ? "" : least.at(name) + " to " + most.at(name);
 }
 
+/// Whether the parameter is of the type that dynamic_reconfigure reads; it passes over others.
+bool has_its_type(const ros::NodeHandle& nh, const std::string& name) {
+  const dynamic_reconfigure::Config message = to_message(StereoConfig::__getDefault__());
+  const auto readable = [&](const auto& parameters, auto value) {
+    return std::any_of(parameters.begin(), parameters.end(),
+                       [&](const auto& p) { return p.name == name && nh.getParam(name, value); });
+  };
+  return readable(message.ints, 0) || readable(message.doubles, 0.0) ||
+         readable(message.strs, std::string()) || readable(message.bools, false);
+}
+
 /// Puts the value of `name` from one configuration into another.
 void restore(StereoConfig& config, const StereoConfig& from, const std::string& name) {
   const dynamic_reconfigure::Config source = to_message(from);
@@ -108,20 +106,10 @@ void restore(StereoConfig& config, const StereoConfig& from, const std::string& 
 SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
                                 std::vector<std::string>& refusals) {
   SyncSettings settings;
-  const SyncSettings defaults;
-  private_nh.param("approximate_sync", settings.approximate_sync, defaults.approximate_sync);
-  private_nh.param("queue_size", settings.queue_size, defaults.queue_size);
-  private_nh.param("sync_tolerance", settings.sync_tolerance, defaults.sync_tolerance);
-  if (settings.queue_size < 1 || settings.queue_size > 1000) {
-    refusals.push_back(refusal("queue_size", text_of(settings.queue_size), "1 to 1000",
-                               text_of(defaults.queue_size)));
-    settings.queue_size = defaults.queue_size;
-  }
-  if (!(settings.sync_tolerance > 0 && settings.sync_tolerance <= 10)) {
-    refusals.push_back(refusal("sync_tolerance", text_of(settings.sync_tolerance),
-                               "more than 0 to 10 (s)", text_of(defaults.sync_tolerance)));
-    settings.sync_tolerance = defaults.sync_tolerance;
-  }
+  ParameterReader read(private_nh, refusals);
+  read.flag("approximate_sync", settings.approximate_sync);
+  read.number("queue_size", 1, 1000, settings.queue_size);
+  read.number("sync_tolerance", 0.0, 10.0, settings.sync_tolerance, false);
   return settings;
 }
 
@@ -130,10 +118,11 @@ std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh
   for (const auto& [name, default_value] : texts(StereoConfig::__getDefault__())) {
     XmlRpc::XmlRpcValue value;
     if (!private_nh.getParam(name, value)) continue;
-    const std::string text = text_of(value);
-    const std::string allowed = allowed_unless(name, text);
+    const bool readable = has_its_type(private_nh, name);
+    const std::string allowed = allowed_unless(name, readable ? text_of(value) : "");
     if (allowed.empty()) continue;
-    refusals.push_back(refusal(name, text, allowed, default_value));
+    refusals.push_back(
+        refusal(name, readable ? text_of(value) : with_type(value), allowed, default_value));
     private_nh.deleteParam(name);
   }
   return refusals;

@@ -4,6 +4,7 @@
 #include <stereo_msgs/DisparityImage.h>
 
 #include "fpga_stereo/ros/board_settings.hpp"
+#include "fpga_stereo/ros/settings.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {
@@ -54,9 +55,10 @@ TEST(StartParameters, OfABoard) {
   EXPECT_TRUE(read.topic_input);
   EXPECT_EQ(read.verify, 5);
   EXPECT_EQ(read.mid_exposure_ms, 8) << "an integer is a number";
-  EXPECT_EQ(read.device, "usb:serial=1234567") << "so is a serial number that looks like one";
+  EXPECT_EQ(read.device, "usb:match=^0*1234567$") << "0001234567 has become a number on its way";
   nh.setParam("serial_number", "FT0012");
   EXPECT_EQ(load_board_settings(nh, refusals).device, "usb:serial=FT0012");
+  EXPECT_TRUE(refusals.empty());
 
   nh.setParam("backend", "fpga");
   nh.setParam("verify", -3);
@@ -70,6 +72,43 @@ TEST(StartParameters, OfABoard) {
       "image_width = 5000: allowed 16 to 1280; using 640",
       "verify = -3: allowed 0 to 10000; using 0"};
   EXPECT_EQ(refusals, expected);
+}
+
+TEST(StartParameters, OfAnotherTypeOrAKindOfNoUseAreRefused) {
+  ros::NodeHandle nh("~types");
+  nh.setParam("backend", 1);
+  nh.setParam("device", "replay:/tmp/link.bin");
+  nh.setParam("verify", "10");
+  nh.setParam("keep_incomplete", 1);
+  nh.setParam("frame_id", 7);
+  nh.setParam("approximate_sync", 1);
+  nh.setParam("sync_tolerance", "0.1");
+  nh.setParam("disparity_range", "96");
+  std::vector<std::string> refusals;
+  const BoardSettings board = load_board_settings(nh, refusals);
+  EXPECT_EQ(board.device, "usb");
+  EXPECT_EQ(board.verify, 0);
+  EXPECT_FALSE(board.keep_incomplete);
+  EXPECT_FALSE(load_sync_settings(nh, refusals).approximate_sync);
+  for (const std::string& refusal : refuse_bad_parameters(nh)) refusals.push_back(refusal);
+  const std::vector<std::string> expected{
+      "backend = 1 (a whole number): allowed auto or board or software; using auto",
+      "device = replay:/tmp/link.bin: allowed usb... or serial:... (a recording answers no "
+      "requests: see it with 'board capture'); using usb",
+      "frame_id = 7 (a whole number): allowed text; using stereo_left_optical_frame",
+      "verify = 10 (text): allowed 0 to 10000; using 0",
+      "keep_incomplete = 1 (a whole number): allowed true or false; using false",
+      "approximate_sync = 1 (a whole number): allowed true or false; using false",
+      "sync_tolerance = 0.1 (text): allowed more than 0 to 10; using 0.1",
+      "disparity_range = 96 (text): allowed 8 to 256 in steps of 4; using 64"};
+  EXPECT_EQ(refusals, expected);
+
+  refusals.clear();
+  nh.setParam("device", "usb");
+  nh.setParam("serial_number", 1e10);
+  EXPECT_EQ(load_board_settings(nh, refusals).device, "usb:serial=1e+10") << "no board at all";
+  EXPECT_EQ(refusals.at(1),
+            "serial_number = 1e+10 (a number): allowed text: quote it; using 1e+10");
 }
 
 }  // namespace
