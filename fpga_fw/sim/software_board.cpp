@@ -238,6 +238,8 @@ void SoftwareBoard::write(std::uint32_t address, std::uint32_t value) {
     if (r.address != address || r.access != spec::Access::kReadWrite) continue;
     std::uint32_t mask = r.fields.empty() ? ~0U : 0;
     for (const spec::FieldInfo& f : r.fields) mask |= f.field.mask();
+    // As the RTL: a build does not hold bits of streams that it lacks.
+    if (address == spec::kRegStreams) mask &= options_.streams;
     held = value & mask;
     if (address == spec::kRegMeshAddress && options_.wrong.count(spec::kRegMeshSignature) == 0) {
       registers_[spec::kRegMeshSignature] = kSignatureStart;
@@ -336,7 +338,7 @@ void SoftwareBoard::frame(const RawPair& pair, std::uint64_t frame_id, std::uint
   };
   if (pairs_++ % interval(spec::kFrameIntervalPairs) != 0) return;
   const bool raw = sent_pairs_++ % interval(spec::kFrameIntervalRaw) == 0;
-  const std::uint32_t streams = registers_[spec::kRegStreams] & options_.streams;
+  const std::uint32_t streams = registers_[spec::kRegStreams];
   const auto wanted = [&](Stream s) { return (streams >> static_cast<unsigned>(s) & 1) != 0; };
   if (raw && wanted(Stream::kRawLeft))
     send(Stream::kRawLeft, pair.left, frame_id, timestamp, flags);

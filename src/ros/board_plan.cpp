@@ -73,7 +73,15 @@ void BoardPlan::set_demand(const Demand& outputs, const CameraTopics::Demand& ca
   want();
 }
 
-bool BoardPlan::wants(Stream stream) const { return (wanted_.streams & bit(stream)) != 0; }
+bool BoardPlan::lacks(const link::FrameSet& set) const {
+  if (set.dropped.empty()) return false;
+  const unsigned sometimes = wanted_.raw_interval > 1 ? kRawPair : 0;
+  for (int s = 0; s < link::kNumStreams; ++s) {
+    const auto stream = static_cast<Stream>(s);
+    if ((wanted_.streams & ~sometimes & bit(stream)) != 0 && set.image(stream).empty()) return true;
+  }
+  return false;
+}
 
 std::shared_ptr<const BoardPlan::Made> BoardPlan::made(std::uint64_t tag) const {
   const auto found = made_.find(tag);
@@ -95,13 +103,21 @@ void BoardPlan::configure() {
   Result<GatewareConfiguration> able =
       rectification ? configuration(identity_->build, node_settings_.pipeline, **rectification)
                     : Result<GatewareConfiguration>(rectification.error());
+  if (const std::string missing = missing_stream(); able && !missing.empty()) {
+    able = Error{ErrorKind::kInvalid, missing};
+  }
   unable_ = able ? "" : able.error().message;
   if (able) {
     made->rectification = *rectification;
+    made->image_size = (*rectification)->geometry.image_size;
   } else {
     const cv::Size calibrated = to_calibration(infos_.left).image_size();
     const bool known = rectification && !calibrated.empty();
-    able = raw_configuration(identity_->build, known ? calibrated : settings_.image_size);
+    made->image_size = known ? calibrated : settings_.image_size;
+    able = raw_configuration(identity_->build, made->image_size);
+    if (!settings_.topic_input && (identity_->streams & kRawPair) != kRawPair) {
+      unable_ += "; and this gateware does not send the raw images that the software needs";
+    }
   }
   if (!able) {  // the images are too large for it
     unable_ = able.error().message;
@@ -127,6 +143,10 @@ unsigned BoardPlan::streams_of_pairs() const {
   return streams;
 }
 
+unsigned BoardPlan::rectified(Stream rectified, Stream raw) const {
+  return bit(identity_->can(rectified) ? rectified : raw);
+}
+
 unsigned BoardPlan::streams_of_cameras() const {
   unsigned streams = 0;
   if (!unable_.empty() && demand_.any()) streams |= kRawPair;
@@ -134,27 +154,42 @@ unsigned BoardPlan::streams_of_cameras() const {
   if (wants_raw(demand_.right) || cameras_.right) streams |= bit(Stream::kRawRight);
   if (unable_.empty()) {
     if (demand_.disparity) streams |= bit(Stream::kDisparity);
-    if (wants_rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
+    if (wants_rectified(demand_.left)) {
+      streams |= rectified(Stream::kRectifiedLeft, Stream::kRawLeft);
+    }
     if (wants_rectified(demand_.right)) {
       // The board's right image is shifted by min_disparity: others expect one that is not.
-      streams |= bit(shifted() ? Stream::kRawRight : Stream::kRectifiedRight);
+      streams |= shifted() ? bit(Stream::kRawRight)
+                           : rectified(Stream::kRectifiedRight, Stream::kRawRight);
     }
-    if (settings_.verify > 0 && demand_.disparity) streams |= kRawPair;
   }
   if (streams == 0 && cameras_.info) streams |= bit(Stream::kRawLeft);
   return streams;
 }
 
+std::string BoardPlan::missing_stream() const {
+  if (!identity_->can(Stream::kDisparity)) return "this gateware does not send a disparity";
+  if (settings_.topic_input && !identity_->can(Stream::kInput)) {
+    return "this gateware takes no images from the host";
+  }
+  return "";
+}
+
 void BoardPlan::want() {
   if (!identity_) return;
-  wanted_.streams = settings_.topic_input ? streams_of_pairs() : streams_of_cameras();
-  wanted_.host_input = settings_.topic_input;
-  wanted_.frame_interval = settings_.frame_interval;
-  wanted_.mid_exposure = std::chrono::microseconds(std::lround(settings_.mid_exposure_ms * 1000));
+  unsigned streams = settings_.topic_input ? streams_of_pairs() : streams_of_cameras();
   // Raw images of every frame where somebody wants them, of some for verification alone.
-  const bool always = !unable_.empty() || wants_raw(demand_.left) || wants_raw(demand_.right) ||
-                      cameras_.any() || shifted();
-  wanted_.raw_interval = settings_.verify > 0 && !always ? settings_.verify : 1;
+  const bool always = (streams & kRawPair) != 0;
+  const bool verifies =
+      settings_.verify > 0 && !settings_.topic_input && unable_.empty() && demand_.disparity;
+  if (verifies) streams |= kRawPair;
+  wanted_.raw_interval = verifies && !always ? settings_.verify : 1;
+  // A board does not hold bits of streams that it was built without.
+  wanted_.streams = streams & identity_->streams;
+  wanted_.host_input = settings_.topic_input;
+  // Of the topics' pairs as many are sent as the board takes.
+  wanted_.frame_interval = settings_.topic_input ? 1 : settings_.frame_interval;
+  wanted_.mid_exposure = std::chrono::microseconds(std::lround(settings_.mid_exposure_ms * 1000));
 }
 
 }  // namespace fpga_stereo

@@ -59,10 +59,13 @@ void fill(const Device::Snapshot& board, const Verifier::Counters& verified, Ste
 }
 
 void report_board(const Device::Snapshot& board, const Verifier::Counters& verified,
-                  const std::string& unable, diagnostic_updater::DiagnosticStatusWrapper& report) {
+                  const std::string& unable, bool expected,
+                  diagnostic_updater::DiagnosticStatusWrapper& report) {
   using Level = diagnostic_msgs::DiagnosticStatus;
   if (verified.pixels_differ > 0) {
     report.summary(Level::ERROR, "the board's disparity is not that of the software");
+  } else if (!expected) {
+    report.summary(Level::OK, "no board; software");
   } else if (!board.complaint.empty()) {
     report.summary(board.state == Session::State::kRefused ? Level::ERROR : Level::WARN,
                    board.complaint);

@@ -2,10 +2,10 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "fpga_stereo/link/transport.hpp"
-#include "fpga_stereo/ros/conversions.hpp"
 #include "fpga_stereo/ros/make_frame.hpp"
 
 namespace fpga_stereo {
@@ -14,19 +14,8 @@ namespace {
 using link::Session;
 using link::Stream;
 
-constexpr std::size_t kMostSent = 4;  // pairs under way in the board
-
-link::Device::Options device_options(const BoardSettings& settings) {
-  link::Device::Options options;
-  options.open = [name = settings.device] { return link::open_transport(name); };
-  options.hotplug = link::watch_for(settings.device);
-  options.session.frames.keep_incomplete = settings.keep_incomplete;
-  return options;
-}
-
-sensor_msgs::ImageConstPtr to_message(const cv::Mat& image, const std_msgs::Header& header) {
-  return to_image(image, header);
-}
+constexpr std::size_t kMostSent = 4;               // pairs under way in the board
+constexpr std::chrono::seconds kLeastPatience{2};  // with pairs that do not come back
 
 }  // namespace
 
@@ -37,11 +26,25 @@ BoardSource::BoardSource(const BoardSettings& settings, CameraTopics& cameras, H
       health_(health),
       callbacks_(std::move(callbacks)),
       plan_(settings_),
-      device_(device_options(settings), device_callbacks()) {}
+      device_(device_options(), device_callbacks()) {}
+
+link::Device::Options BoardSource::device_options() {
+  link::Device::Options options;
+  options.open = [this] {
+    auto opened = link::open_transport(settings_.device);
+    none_found_ = !opened && opened.error().kind == ErrorKind::kNotFound;
+    return opened;
+  };
+  options.hotplug = link::watch_for(settings_.device);
+  options.session.frames.keep_incomplete = settings_.keep_incomplete;
+  return options;
+}
 
 link::Device::Callbacks BoardSource::device_callbacks() {
   link::Device::Callbacks callbacks;
-  callbacks.received = [this](const std::vector<Session::Received>& sets) { received(sets); };
+  callbacks.received = [this](const std::vector<Session::Received>& sets) {
+    for (const Session::Received& r : sets) received(r);
+  };
   callbacks.identified = [this](const link::Identity& identity) { identified(identity); };
   callbacks.closed = [this] { closed(); };
   callbacks.note = [](const std::string& note) {
@@ -53,35 +56,44 @@ link::Device::Callbacks BoardSource::device_callbacks() {
 // What is wanted.
 
 void BoardSource::tell() {
-  if (plan_.present()) device_.want(plan_.wanted());
+  if (!plan_.present()) return;
+  // The board's numbers go on while nothing is sent.
+  if (plan_.wanted().streams == 0) last_frame_.reset();
+  device_.want(plan_.wanted());
 }
 
 void BoardSource::identified(const link::Identity& identity) {
   ROS_INFO_STREAM_NAMED("stereo", "board identified: " << identity.text());
   if (!settings_.topic_input) cameras_.show(true);
+  SentPairs sent;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     last_frame_.reset();
-    sent_.clear();
+    sent = std::exchange(sent_, {});
     if (!settings_.topic_input) plan_.set_calibration(cameras_.infos());
     plan_.set_identity(identity);
     tell();
   }
+  hand_on(sent);
   callbacks_.changed();
 }
 
 void BoardSource::closed() {
-  std::map<std::uint64_t, InputPair> sent;
+  SentPairs sent;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!plan_.present()) return;
     plan_.set_identity(std::nullopt);
     sent = std::exchange(sent_, {});
   }
-  // What the board has not answered the software does.
-  for (const auto& [id, pair] : sent) callbacks_.pair(pair);
+  hand_on(sent);
   cameras_.show(false);
   callbacks_.changed();
+}
+
+void BoardSource::hand_on(const SentPairs& sent) {
+  if (settings_.backend == Backend::kBoard) return health_.dropped(DropCause::kLink, sent.size());
+  for (const auto& [id, of_topics] : sent) callbacks_.pair(of_topics.pair);
 }
 
 void BoardSource::refresh() {
@@ -119,38 +131,42 @@ bool BoardSource::takes_pairs() const {
   return plan_.present();
 }
 
+void BoardSource::give_up_lost() {
+  // A pair that comes back tells that those before it will not: this is for when all are lost.
+  const auto now = Clock::now();
+  const auto patience = kLeastPatience + static_cast<int>(kMostSent) * turnaround_;
+  if (sent_.empty() || now - std::max(last_back_, sent_.begin()->second.when) < patience) return;
+  health_.dropped(DropCause::kLink, sent_.size());
+  sent_.clear();
+}
+
 bool BoardSource::send(const InputPair& pair) {
-  std::unique_lock<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(mutex_);
   if (!plan_.present()) return false;
+  give_up_lost();
   const CameraTopics::Infos infos{*pair.left_info, *pair.right_info};
   if (!same_calibration(infos, plan_.calibration())) {
     plan_.set_calibration(infos);
     tell();
-    const bool unable = !plan_.unable().empty();
-    lock.unlock();
-    if (unable) callbacks_.changed();
-    return false;  // the board is being configured
   }
   const std::uint64_t tag = plan_.wanted().tag;
   const auto made = plan_.made(tag);
-  if (!plan_.unable().empty() || !made || !made->rectification || sent_.size() >= kMostSent)
-    return false;
   const link::Device::Snapshot now = device_.snapshot();
-  if (now.state != Session::State::kStreaming || !now.configured_tag ||
-      *now.configured_tag != tag) {
-    return false;
+  const bool able = plan_.unable().empty() && made && made->rectification &&
+                    now.state == Session::State::kStreaming && now.configured_tag == tag;
+  if (!able && sent_.empty()) return false;
+  if (able) {
+    const auto begun = begin_frame(pair, *made->rectification, made->settings);
+    if (!begun) return false;  // the software says why
+    const std::uint64_t stamp_us = pair.left->header.stamp.toNSec() / 1000;
+    if (sent_.size() < kMostSent &&
+        device_.send_pair(begun->left.mono, begun->right.mono, next_pair_, stamp_us)) {
+      sent_[next_pair_++] = {pair, Clock::now()};
+      return true;
+    }
   }
-  const auto begun = begin_frame(pair, *made->rectification, made->settings);
-  if (!begun) return false;  // the software says why
-  if (const auto why = gate_.check(pair.left->header.stamp)) {
-    lock.unlock();
-    health_.refused(DropCause::kStamp, "frame refused: " + *why);
-    return true;
-  }
-  const std::uint64_t id = next_pair_++;
-  const std::uint64_t stamp_us = pair.left->header.stamp.toNSec() / 1000;
-  if (!device_.send_pair(begun->left.mono, begun->right.mono, id, stamp_us)) return false;
-  sent_[id] = pair;
+  // The software would overtake those that are under way: frames would come out of order.
+  health_.dropped(DropCause::kReplaced);
   return true;
 }
 
@@ -171,13 +187,14 @@ std::string BoardSource::complaint() const {
   return why.empty() ? "" : "board: " + why;
 }
 
-void BoardSource::received(const std::vector<Session::Received>& sets) {
-  for (const Session::Received& r : sets) take(r);
+bool BoardSource::expected() const {
+  const bool asked_for = settings_.backend == Backend::kBoard || settings_.device != "usb";
+  return asked_for || !none_found_ || device_.snapshot().opened > 0;
 }
 
-void BoardSource::refuse(const std::string& why) {
+void BoardSource::refuse(DropCause cause, const std::string& why) {
   if (health_.refusal() != why) ROS_WARN_STREAM_NAMED("stereo", why);
-  health_.refused(DropCause::kLink, why);
+  health_.refused(cause, why);
 }
 
 void BoardSource::count_lost(const link::FrameSet& set) {
@@ -193,118 +210,92 @@ void BoardSource::count_lost(const link::FrameSet& set) {
   last_frame_ = set.frame_id;
 }
 
-void BoardSource::take(const Session::Received& r) {
+std::optional<InputPair> BoardSource::take_sent(std::uint64_t frame_id) {
+  const auto found = sent_.find(frame_id);
+  if (found == sent_.end()) return std::nullopt;
+  const Sent sent = found->second;
+  last_back_ = Clock::now();
+  turnaround_ = last_back_ - sent.when;
+  // Those before it will not come any more.
+  health_.dropped(DropCause::kLink,
+                  static_cast<std::uint64_t>(std::distance(sent_.begin(), found)));
+  sent_.erase(sent_.begin(), std::next(found));
+  return sent.pair;
+}
+
+void BoardSource::received(const Session::Received& r) {
   std::shared_ptr<const BoardPlan::Made> made;
-  bool disparity_wanted = false;
+  std::optional<InputPair> pair;
+  Demand demand;
+  bool lacks = false;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     made = plan_.made(r.tag);
-    disparity_wanted = plan_.wants(Stream::kDisparity);
-    if (!settings_.topic_input) count_lost(r.set);
-  }
-  if (!settings_.topic_input) health_.received();
-  if (!made) return refuse("frame of the board dropped: its configuration is long gone");
-  const bool lost = disparity_wanted && made->rectification &&
-                    r.set.image(Stream::kDisparity).empty() && !r.set.dropped.empty();
-  if (lost && !settings_.topic_input) return refuse(r.set.dropped.front());
-  if (settings_.topic_input) return take_pair(r, *made);
-  take_camera_frame(r, *made);
-}
-
-void BoardSource::take_pair(const Session::Received& r, const BoardPlan::Made& made) {
-  const link::FrameSet& set = r.set;
-  InputPair pair;
-  Demand demand;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    const auto found = sent_.find(set.frame_id);
-    if (found == sent_.end()) return;
-    pair = found->second;
-    // Those before it will not come any more.
-    health_.dropped(DropCause::kLink,
-                    static_cast<std::uint64_t>(std::distance(sent_.begin(), found)));
-    sent_.erase(sent_.begin(), std::next(found));
     demand = plan_.demand();
-  }
-  if (set.image(Stream::kDisparity).empty()) {
-    return refuse(set.dropped.empty() ? "frame of the board dropped: it has no disparity"
-                                      : set.dropped.front());
-  }
-  if (!same_calibration({*pair.left_info, *pair.right_info}, made.infos)) {
-    return refuse("frame of the board dropped: the calibration changed under way");
-  }
-  auto begun = begin_frame(pair, *made.rectification, made.settings);
-  if (!begun) return refuse(begun.error().message);
-  StereoFrame& frame = *begun;
-  frame.disparity = set.image(Stream::kDisparity);
-  frame.left.rect = set.image(Stream::kRectifiedLeft);
-  frame.right.rect = set.image(Stream::kRectifiedRight);
-  frame.arrived = r.arrived;
-  if (const Status added = add_pictures(pair, *made.rectification, demand, frame); !added) {
-    return refuse(added.error().message);
-  }
-  if (settings_.verify > 0 && set.frame_id % static_cast<std::uint64_t>(settings_.verify) == 0) {
-    // Copies: the grey images may be those of the messages.
-    verifier_.offer({frame.left.mono.clone(), frame.right.mono.clone(), frame.disparity,
-                     made.rectification, made.settings.pipeline});
-  }
-  callbacks_.frame(frame);
-}
-
-void BoardSource::take_camera_frame(const Session::Received& r, const BoardPlan::Made& made) {
-  const link::FrameSet& set = r.set;
-  const ros::Time stamp = ros::Time().fromSec(r.stamp);
-  const cv::Mat& left = set.image(Stream::kRawLeft);
-  const cv::Mat& right = set.image(Stream::kRawRight);
-  cameras_.publish(left, right, made.infos, stamp);
-  Demand demand;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    demand = plan_.demand();
-  }
-  std_msgs::Header header;
-  header.stamp = stamp;
-  header.frame_id = settings_.frame_id;
-  if (!demand.any()) return health_.published({}, 0, 0);  // raw images alone
-
-  if (!made.rectification) {
-    if (left.empty() || right.empty()) {
-      return refuse(set.dropped.empty() ? "raw pair of the board dropped: it lacks an image"
-                                        : set.dropped.front());
+    if (settings_.topic_input) {
+      pair = take_sent(r.set.frame_id);
+      if (!pair) return;
+    } else {
+      if (plan_.wanted().streams == 0) return;  // sent before the last listener went
+      lacks = plan_.lacks(r.set);
+      count_lost(r.set);
     }
-    const auto info = [&](const sensor_msgs::CameraInfo& from) {
-      auto message = boost::make_shared<sensor_msgs::CameraInfo>(from);
-      message->header = header;
-      return message;
-    };
-    callbacks_.pair({to_message(left, header), to_message(right, header), info(made.infos.left),
-                     info(made.infos.right)});
-    return;
   }
+  if (!pair) health_.received();
+  if (!made) {
+    return refuse(DropCause::kLink, "frame of the board dropped: its configuration is long gone");
+  }
+  if (lacks) return refuse(DropCause::kLink, r.set.dropped.front());
+  if (const Status fits = check_sizes(r.set, made->image_size); !fits) {
+    return refuse(DropCause::kLink, fits.error().message);
+  }
+  if (pair) return take_pair(r, *made, *pair, demand);
+  take_camera_frame(r, *made, demand);
+}
 
-  StereoFrame frame;
-  frame.left.header = frame.right.header = header;
-  frame.left_info = made.infos.left;
-  frame.left_info.header = header;
-  frame.geometry = made.rectification->geometry;
-  frame.settings = made.settings;
-  frame.arrived = r.arrived;
-  frame.disparity = set.image(Stream::kDisparity);
-  frame.left.mono = frame.left.color = left;
-  frame.right.mono = frame.right.color = right;
-  frame.left.rect = frame.left.rect_color = set.image(Stream::kRectifiedLeft);
-  frame.right.rect = set.image(Stream::kRectifiedRight);
-  const bool shifted = made.settings.pipeline.min_disparity != 0;
-  if (shifted && (demand.right.rect || demand.right.rect_color) && !right.empty()) {
-    rectify_in_bands(right, made.rectification->right_unshifted, made.settings.num_threads,
-                     frame.right.rect);
+void BoardSource::verify(const link::FrameSet& set, const BoardPlan::Made& made,
+                         const cv::Mat& left, const cv::Mat& right) {
+  if (settings_.verify == 0 || !set.verdicts.empty() || left.empty() || right.empty()) return;
+  if (!made.rectification || set.image(Stream::kDisparity).empty()) return;
+  // By number: of a board's own cameras, raw images may come of some frames only.
+  const int step = settings_.topic_input ? 1 : settings_.frame_interval;
+  const auto every = static_cast<std::uint64_t>(settings_.verify) * static_cast<unsigned>(step);
+  if (last_verified_ && set.frame_id - *last_verified_ < every) return;
+  last_verified_ = set.frame_id;
+  // Those of topics may lie in messages, which do not last.
+  const bool owned = !settings_.topic_input;
+  verifier_.offer({owned ? left : left.clone(), owned ? right : right.clone(),
+                   set.image(Stream::kDisparity), made.rectification, made.settings.pipeline});
+}
+
+void BoardSource::take_pair(const Session::Received& r, const BoardPlan::Made& made,
+                            const InputPair& pair, const Demand& demand) {
+  const auto frame = frame_of_pair(r, made, pair, demand);
+  if (!frame) return refuse(DropCause::kLink, frame.error().message);
+  verify(r.set, made, frame->left.mono, frame->right.mono);
+  callbacks_.frame(*frame);
+}
+
+void BoardSource::take_camera_frame(const Session::Received& r, const BoardPlan::Made& made,
+                                    const Demand& demand) {
+  const auto stamp = to_stamp(r.stamp);
+  if (!stamp) return refuse(DropCause::kStamp, stamp.error().message);
+  if (const auto why = gate_.check(*stamp)) {
+    return refuse(DropCause::kStamp, "frame of the board dropped: " + *why);
   }
-  frame.right.rect_color = frame.right.rect;
-  if (settings_.verify > 0 && !left.empty() && !right.empty() && !frame.disparity.empty() &&
-      set.verdicts.empty()) {
-    verifier_.offer({left, right, frame.disparity, made.rectification, made.settings.pipeline});
+  const cv::Mat& left = r.set.image(Stream::kRawLeft);
+  const cv::Mat& right = r.set.image(Stream::kRawRight);
+  cameras_.publish(left, right, made.infos, *stamp);
+  std_msgs::Header header;
+  header.stamp = *stamp;
+  header.frame_id = settings_.frame_id;
+  if (demand.any() && !made.rectification) {
+    const auto pair = raw_pair(r.set, made, header);
+    if (!pair) return refuse(DropCause::kLink, pair.error().message);
+    return callbacks_.pair(*pair);
   }
-  callbacks_.frame(frame);
+  verify(r.set, made, left, right);
+  callbacks_.frame(frame_of_cameras(r, made, demand, header));
 }
 
 }  // namespace fpga_stereo

@@ -87,9 +87,10 @@ void CameraTopics::publish(const cv::Mat& left, const cv::Mat& right, const Info
     if (!shown_) continue;
     all[i].header.stamp = stamp;
     all[i].header.frame_id = settings_.frame_id;
+    const bool viewed = cameras_[i].images.getNumSubscribers() > 0;
+    if (viewed && images[i]->empty()) continue;  // nor a camera_info that waits for it
     if (cameras_[i].infos.getNumSubscribers() > 0) cameras_[i].infos.publish(all[i]);
-    if (images[i]->empty() || cameras_[i].images.getNumSubscribers() == 0) continue;
-    cameras_[i].images.publish(to_image(*images[i], all[i].header));
+    if (viewed) cameras_[i].images.publish(to_image(*images[i], all[i].header));
   }
 }
 

@@ -85,12 +85,11 @@ StereoStatus Health::report(bool restart) {
   if (!link_latency_ms_.empty()) {
     std::vector<double> sorted = link_latency_ms_;
     std::sort(sorted.begin(), sorted.end());
-    const auto part = [&](double p) {
-      return static_cast<float>(
-          sorted[static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1))]);
+    const auto percentile = [&](std::size_t percent) {  // nearest rank
+      return static_cast<float>(sorted[(percent * sorted.size() + 99) / 100 - 1]);
     };
-    s.board_latency_p50_ms = part(0.5);
-    s.board_latency_p99_ms = part(0.99);
+    s.board_latency_p50_ms = percentile(50);
+    s.board_latency_p99_ms = percentile(99);
   }
   if (restart) {
     link_latency_ms_.clear();

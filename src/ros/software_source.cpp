@@ -58,9 +58,7 @@ void SoftwareSource::run() {
       demand = demand_;
       settings = settings_;
     }
-    if (const auto why = gate_.check(pair.left->header.stamp)) {
-      refuse(DropCause::kStamp, "frame refused: " + *why);
-    } else if (!demand.any()) {
+    if (!demand.any()) {
       health_.dropped(DropCause::kUnwanted);
     } else if (const Result<StereoFrame> frame = make(pair, demand, settings); frame) {
       callback_(*frame);

@@ -4,10 +4,12 @@
 #include <nodelet/nodelet.h>
 #include <std_srvs/Trigger.h>
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fpga_stereo/ros/board_report.hpp"
@@ -16,6 +18,7 @@
 #include "fpga_stereo/ros/outputs.hpp"
 #include "fpga_stereo/ros/settings.hpp"
 #include "fpga_stereo/ros/software_source.hpp"
+#include "fpga_stereo/ros/stamp_gate.hpp"
 
 namespace fpga_stereo {
 
@@ -56,8 +59,8 @@ class StereoNodelet : public nodelet::Nodelet {
   std::unique_ptr<TopicInput> topics_;
 
   std::mutex publish_mutex_;  // frames come from more than one thread
-  ros::Time last_published_;  // stamp
-  std::string last_source_, announced_, announced_why_;
+  StampGate gate_;
+  std::array<std::string, 3> announced_;  // source, why the board does not, why it is refused
 
   boost::recursive_mutex config_mutex_;
   std::unique_ptr<dynamic_reconfigure::Server<StereoConfig>> reconfigure_;
@@ -94,14 +97,14 @@ void StereoNodelet::onInit() {
   if (board_settings_.backend != Backend::kSoftware) {
     updater_->add("board", this, &StereoNodelet::diagnose_board);
   }
-  reset_ = private_nh.advertiseService("reset", &StereoNodelet::on_reset, this);
-  device_info_ = private_nh.advertiseService("device_info", &StereoNodelet::on_device_info, this);
 
   // Subscribers may come while the outputs are being advertised; the timer reads what is built
   // here.
   const std::lock_guard<std::mutex> lock(mutex_);
   make_sources(sync);
   outputs_ = std::make_unique<Outputs>(nh, [this] { on_subscribers(); });
+  reset_ = private_nh.advertiseService("reset", &StereoNodelet::on_reset, this);
+  device_info_ = private_nh.advertiseService("device_info", &StereoNodelet::on_device_info, this);
   timer_ = nh.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { on_timer(); });
 }
 
@@ -132,13 +135,11 @@ StereoNodelet::~StereoNodelet() {
   // under way, and one of a subscriber may wait for the lock. Topics feed sources, the board feeds
   // the software.
   std::unique_ptr<TopicInput> topics;
-  std::unique_ptr<BoardSource> board;
-  std::unique_ptr<SoftwareSource> software;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     topics = std::move(topics_);  // from here on subscribers change nothing
-    if (topics) topics->stop();
   }
+  if (topics) topics->stop();
   topics.reset();
   board_.reset();
   software_.reset();
@@ -196,14 +197,12 @@ void StereoNodelet::on_pair(const InputPair& pair) {
 void StereoNodelet::on_frame(const StereoFrame& frame, const char* source) {
   const std::lock_guard<std::mutex> lock(publish_mutex_);
   const ros::Time& stamp = frame.left.header.stamp;
-  // The last frame of one source may be slower than the first of the other.
-  if (source != last_source_ && !last_source_.empty() && stamp <= last_published_ &&
-      last_published_ - stamp < ros::Duration(1)) {
-    health_.dropped(DropCause::kStamp);
-    return;
+  // Here, behind both sources: the last frame of one may be slower than the first of the other.
+  if (const auto why = gate_.check(stamp)) {
+    const std::string refusal = "frame refused: " + *why;
+    if (health_.refusal() != refusal) NODELET_WARN_STREAM(source << ": " << refusal);
+    return health_.refused(DropCause::kStamp, refusal);
   }
-  last_source_ = source;
-  last_published_ = stamp;
   const ros::WallTime start = ros::WallTime::now();
   outputs_->publish(frame);
   const double publish_ms = (ros::WallTime::now() - start).toSec() * 1e3;
@@ -265,20 +264,19 @@ void StereoNodelet::on_timer() {
 
 void StereoNodelet::announce_source() {
   if (!board_) return;
-  static constexpr const char* kNone = "";
-  const std::string now = source();
-  if (now == announced_ && board_->unable() == announced_why_) return;
-  const std::string why = board_->present() ? board_->unable() : board_->complaint();
-  const bool refused = board_->snapshot().state == link::Session::State::kRefused;
-  if (refused) NODELET_ERROR_STREAM(board_->complaint());
+  const link::Device::Snapshot board = board_->snapshot();
+  const bool refused = board.state == link::Session::State::kRefused;
+  const std::string now = source(), unable = board_->unable();
+  const std::array<std::string, 3> all{now, unable, refused ? board.complaint : ""};
+  if (std::exchange(announced_, all) == all) return;
+  if (refused) NODELET_ERROR_STREAM("board: " << board.complaint);
+  const std::string why = board_->present() ? unable : board_->complaint();
   if (now == BoardSource::kName && board_->present()) {
-    NODELET_INFO_STREAM("the disparity comes from the board: " << board_->snapshot().description);
+    NODELET_INFO_STREAM("the disparity comes from the board: " << board.description);
   } else if (now == SoftwareSource::kName) {
     NODELET_INFO_STREAM("the disparity comes from the software pipeline"
-                        << (why.empty() ? kNone : ": ") << why);
+                        << (why.empty() ? "" : ": ") << why);
   }
-  announced_ = now;
-  announced_why_ = board_->unable();
 }
 
 bool StereoNodelet::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
@@ -315,7 +313,9 @@ void StereoNodelet::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report
 }
 
 void StereoNodelet::diagnose_board(diagnostic_updater::DiagnosticStatusWrapper& report) {
-  if (board_) report_board(board_->snapshot(), board_->verified(), board_->unable(), report);
+  if (!board_) return;
+  report_board(board_->snapshot(), board_->verified(), board_->unable(), board_->expected(),
+               report);
 }
 
 }  // namespace fpga_stereo

@@ -17,6 +17,7 @@ constexpr unsigned kRawPair = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
 link::Identity identity() {
   link::Identity made;
   made.build = {640, 64, 11, 15, CensusPattern::kSparse, 102, 81 * 61};
+  made.streams = 0x7E;
   return made;
 }
 
@@ -57,8 +58,57 @@ TEST(BoardPlan, StreamsAreWhatSomebodyListensTo) {
   EXPECT_EQ(p.streams(demand(true), {true, false, false}), kDisparity | bit(Stream::kRawLeft));
   EXPECT_EQ(p.streams(demand(false), {false, false, true}), bit(Stream::kRawLeft))
       << "a camera_info needs something that tells its stamp";
-  EXPECT_TRUE(p.plan.wants(Stream::kRawLeft));
-  EXPECT_FALSE(p.plan.wants(Stream::kDisparity));
+}
+
+TEST(BoardPlan, StreamsThatTheBuildLacksAreNotAskedFor) {
+  Planned p;
+  const auto lacking = [&](unsigned streams) {
+    link::Identity board = identity();
+    board.streams = static_cast<std::uint8_t>(board.streams & ~streams);
+    p.plan.set_identity(board);
+  };
+  lacking(bit(Stream::kRectifiedLeft) | bit(Stream::kRectifiedRight));
+  EXPECT_EQ(p.plan.unable(), "");
+  EXPECT_EQ(p.streams(demand(true, true)), kDisparity | bit(Stream::kRawLeft))
+      << "it is rectified here";
+  EXPECT_EQ(p.streams(demand(true, false, true)), kDisparity | bit(Stream::kRawRight));
+  lacking(bit(Stream::kRectifiedLeft) | kRawPair);
+  EXPECT_EQ(p.streams(demand(true, true)), kDisparity);
+  lacking(kDisparity);
+  EXPECT_EQ(p.plan.unable(), "this gateware does not send a disparity");
+  EXPECT_EQ(p.streams(demand(true)), kRawPair);
+  EXPECT_FALSE(p.plan.made(p.plan.wanted().tag)->rectification) << "the software's";
+  lacking(kDisparity | bit(Stream::kRawRight));
+  EXPECT_EQ(p.plan.unable(),
+            "this gateware does not send a disparity; and this gateware does not send the raw "
+            "images that the software needs");
+  EXPECT_EQ(p.streams(demand(true)), bit(Stream::kRawLeft));
+
+  BoardSettings settings;
+  settings.topic_input = true;
+  Planned topics(settings);
+  EXPECT_EQ(topics.plan.unable(), "");
+  link::Identity board = identity();
+  board.streams &= ~bit(Stream::kInput);
+  topics.plan.set_identity(board);
+  EXPECT_EQ(topics.plan.unable(), "this gateware takes no images from the host");
+}
+
+TEST(BoardPlan, ASetThatLostAnImageLacksIt) {
+  BoardSettings settings;
+  settings.verify = 30;
+  Planned p(settings);
+  link::FrameSet set;
+  const auto image = [&](Stream s) -> cv::Mat& { return set.images[static_cast<int>(s)]; };
+  image(Stream::kDisparity) = cv::Mat1w(4, 4);
+  p.streams(demand(true, true));
+  EXPECT_FALSE(p.plan.lacks(set)) << "begun before it was asked for the other one";
+  set.dropped = {"rectified left frame 7 dropped: 2 of 4 rows are missing"};
+  EXPECT_TRUE(p.plan.lacks(set));
+  image(Stream::kRectifiedLeft) = cv::Mat1b(4, 4);
+  EXPECT_FALSE(p.plan.lacks(set)) << "raw images come of some pairs only";
+  p.streams(demand(true, true), {true, false, false});
+  EXPECT_TRUE(p.plan.lacks(set)) << "somebody looks at them";
 }
 
 TEST(BoardPlan, TheRightImageOfAShiftedSearchIsRectifiedHere) {
@@ -118,6 +168,7 @@ TEST(BoardPlan, PairsOfTopicsWaitForACalibration) {
   EXPECT_EQ(plan.unable(), "");
   EXPECT_TRUE(plan.wanted().host_input);
   EXPECT_EQ(plan.wanted().streams, kDisparity | bit(Stream::kRectifiedRight));
+  EXPECT_EQ(plan.made(plan.wanted().tag)->image_size, cv::Size(320, 240));
   plan.set_demand(demand(false, true), {true, true, true});
   EXPECT_EQ(plan.wanted().streams, kDisparity | bit(Stream::kRectifiedLeft))
       << "raw images are on topics already; what came back is known by its disparity";

@@ -4,6 +4,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include "fpga_stereo/ros/health.hpp"
 #include "ros/pty_board.hpp"
 #include "ros/rig.hpp"
 
@@ -59,13 +60,40 @@ class Both {
   Listener<Message> software_, board_;
 };
 
-TEST(BoardTopics, EveryMessageIsThatOfTheSoftware) {
-  std::string line;
-  ros::param::get("~line", line);
-  PtyBoard board(line, sim::SoftwareBoard::Options{});
-  Rig rig;
-  ros::NodeHandle board_nh("board");
-  Listener<StereoStatus> status(board_nh, "fpga_stereo/status");
+class BoardTopics : public testing::Test {
+ protected:
+  static std::string line() {
+    std::string path;
+    ros::param::get("~line", path);
+    return path;
+  }
+  StereoStatus status() {
+    const std::size_t seen = status_.count();
+    eventually([&] { return status_.count() >= seen + 2; });
+    return *status_.last();
+  }
+  bool reports_a_board() {
+    return eventually(
+        [&] { return status_.last() && status_.last()->board.rfind("none", 0) != 0; });
+  }
+  /// Publishes until the board, and not the software any more, has made a frame.
+  bool board_computes() {
+    const std::uint32_t before = board_.peek(spec::kRegFramesOut);
+    return eventually([&] {
+      rig_.publish(pair_);
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      return board_.peek(spec::kRegFramesOut) > before;
+    });
+  }
+
+  PairMessages pair_ = synthetic_pair(kSize, 12, true);
+  PtyBoard board_{line(), sim::SoftwareBoard::Options{}};
+  Rig rig_;
+  ros::NodeHandle board_nh_{"board"};
+  Listener<StereoStatus> status_{board_nh_, "fpga_stereo/status"};
+};
+
+TEST_F(BoardTopics, EveryMessageIsThatOfTheSoftware) {
   Both<DisparityImage> disparity("disparity");
   Both<PointCloud2> cloud("points2");
   Both<Image> depth("depth"), picture("disparity_color");
@@ -73,31 +101,21 @@ TEST(BoardTopics, EveryMessageIsThatOfTheSoftware) {
   Both<Image> left_rect("left/image_rect"), right_rect("right/image_rect");
   Both<Image> left_color("left/image_rect_color"), right_color("right/image_rect_color");
   Both<Image> left_mono("left/image_mono"), right_raw_color("right/image_color");
-  ASSERT_TRUE(rig.node_listens());
-  ASSERT_TRUE(
-      eventually([&] { return status.last() && status.last()->board.rfind("none", 0) != 0; }));
+  ASSERT_TRUE(rig_.node_listens());
+  ASSERT_TRUE(reports_a_board());
 
   // Another calibration comes with the pair; the software computes until the board has it.
-  PairMessages pair = synthetic_pair(kSize, 12, true);
-  const std::uint32_t idle = board.peek(spec::kRegFramesOut);
-  const auto publish_and_wait = [&] {
-    rig.publish(pair);
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  };
-  ASSERT_TRUE(eventually([&] {
-    publish_and_wait();
-    return board.peek(spec::kRegFramesOut) > idle;
-  }));
+  ASSERT_TRUE(board_computes());
   // Until nothing of that is under way.
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  const auto lost = [&] { return status.last()->frames_in - status.last()->frames_published; };
+  const auto lost = [&] { return status_.last()->frames_in - status_.last()->frames_published; };
   const std::uint64_t lost_before = lost();
-  const std::uint32_t before = board.peek(spec::kRegFramesOut);
+  const std::uint32_t before = board_.peek(spec::kRegFramesOut);
   constexpr int kPairs = 15;
   for (int i = 0; i < kPairs; ++i) {
-    pair = synthetic_pair(kSize, 5 + 3 * i, true);
+    PairMessages pair = synthetic_pair(kSize, 5 + 3 * i, true);
     pair.right.header.frame_id = "somewhere_else";
-    const ros::Time stamp = rig.publish(pair);
+    const ros::Time stamp = rig_.publish(pair);
     disparity.expect_same(stamp);
     cloud.expect_same(stamp);
     depth.expect_same(stamp);
@@ -110,24 +128,66 @@ TEST(BoardTopics, EveryMessageIsThatOfTheSoftware) {
     left_mono.expect_same(stamp);
     right_raw_color.expect_same(stamp);
   }
-  EXPECT_EQ(board.peek(spec::kRegFramesOut), before + kPairs) << "the board made them";
-  ASSERT_TRUE(eventually([&] { return status.last()->verified_frames >= 4; }));
-  EXPECT_EQ(status.last()->verified_pixels_differ, 0U);
-  EXPECT_EQ(status.last()->source, "board");
-  EXPECT_EQ(lost(), lost_before);
-  EXPECT_EQ(board.peek(spec::kRegInputErrors), 0U);
-  EXPECT_EQ(board.peek(spec::kRegBadPackets), 0U);
-  EXPECT_EQ(board.peek(spec::kRegLostPackets), 0U);
+  EXPECT_EQ(board_.peek(spec::kRegFramesOut), before + kPairs) << "the board made them";
+  ASSERT_TRUE(eventually([&] { return status_.last()->verified_frames >= 4; }));
+  EXPECT_EQ(status_.last()->verified_pixels_differ, 0U);
+  EXPECT_EQ(status_.last()->source, "board");
+  EXPECT_TRUE(eventually([&] { return lost() == lost_before; }, 3)) << lost();
+  EXPECT_EQ(board_.peek(spec::kRegInputErrors), 0U);
+  EXPECT_EQ(board_.peek(spec::kRegBadPackets), 0U);
+  EXPECT_EQ(board_.peek(spec::kRegLostPackets), 0U);
 
   // Unplugged in the middle: the software goes on, nothing is lost.
-  board.plug(false);
-  for (int i = 0; i < 5; ++i) disparity.expect_same(rig.publish(pair));
-  board.plug(true);
-  ASSERT_TRUE(eventually([&] {
-    publish_and_wait();
-    return board.peek(spec::kRegFramesOut) > before + kPairs;
-  }));
-  disparity.expect_same(rig.publish(pair));
+  board_.plug(false);
+  for (int i = 0; i < 5; ++i) disparity.expect_same(rig_.publish(pair_));
+  board_.plug(true);
+  ASSERT_TRUE(board_computes());
+  disparity.expect_same(rig_.publish(pair_));
+}
+
+TEST_F(BoardTopics, ASlowBoardIsNotOvertaken) {
+  Listener<DisparityImage> disparity(board_nh_, "disparity");
+  ASSERT_TRUE(rig_.node_listens());
+  ASSERT_TRUE(reports_a_board());
+  ASSERT_TRUE(board_computes());
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const StereoStatus before = status();
+  board_.hold(true);
+  std::vector<ros::Time> stamps;
+  for (int i = 0; i < 8; ++i) {
+    stamps.push_back(rig_.publish(pair_));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  board_.hold(false);
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(disparity.with_stamp(stamps[i])) << i;
+  EXPECT_FALSE(disparity.with_stamp(stamps[4], 0.1)) << "four are under way at most";
+  const StereoStatus after = status();
+  EXPECT_EQ(after.dropped_replaced, before.dropped_replaced + 4);
+  EXPECT_EQ(after.dropped_stamp, before.dropped_stamp);
+  EXPECT_EQ(after.frames_published, before.frames_published + 4);
+}
+
+TEST_F(BoardTopics, PairsUnderWayAreHandedOnWhenTheBoardIsIdentifiedAnew) {
+  Listener<DisparityImage> disparity(board_nh_, "disparity");
+  ASSERT_TRUE(rig_.node_listens());
+  ASSERT_TRUE(reports_a_board());
+  ASSERT_TRUE(board_computes());
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const auto under_way = [](const StereoStatus& s) {
+    std::uint64_t known = s.frames_published;
+    for (const DropCauseInfo& cause : kDropCauses) known += s.*cause.field;
+    return s.frames_in - known;
+  };
+  const StereoStatus before = status();
+  const std::uint64_t waiting = under_way(before);
+  board_.hold(true);
+  ros::Time last;
+  for (int i = 0; i < 4; ++i) last = rig_.publish(pair_);
+  ASSERT_TRUE(
+      eventually([&] { return status_.last()->board_recoveries > before.board_recoveries; }));
+  board_.hold(false);
+  EXPECT_TRUE(disparity.with_stamp(last)) << "of the software";
+  EXPECT_EQ(under_way(status()), waiting);
 }
 
 }  // namespace

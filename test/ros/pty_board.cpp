@@ -28,6 +28,8 @@ void PtyBoard::plug(bool plugged) {
   port_.plug(plugged);
 }
 
+void PtyBoard::hold(bool held) { held_ = held; }
+
 void PtyBoard::watch(const sim::RawPair& pair, double rate) {
   const std::lock_guard<std::mutex> lock(mutex_);
   pair_ = pair;
@@ -57,7 +59,7 @@ void PtyBoard::run() {
         next_frame = now + std::chrono::microseconds(static_cast<int>(1e6 / rate_));
         board_->feed(pair_);
       }
-      for (int i = 0; i < 64 && port_.move(*board_); ++i) moved = true;
+      for (int i = 0; i < 64 && !held_ && port_.move(*board_); ++i) moved = true;
     }
     if (!moved) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -20,6 +20,8 @@ class PtyBoard {
   ~PtyBoard();
 
   void plug(bool plugged);
+  /// While held, no byte goes over the line.
+  void hold(bool held);
   /// Its cameras see this pair, `rate` times a second; an empty one: nothing.
   void watch(const sim::RawPair& pair, double rate = 20);
   /// Of a board of software.
@@ -35,7 +37,7 @@ class PtyBoard {
   sim::SoftwareBoard* software_ = nullptr;
   sim::RawPair pair_;
   double rate_ = 20;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, held_{false};
   std::thread thread_;
 };
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "fpga_stereo/link/frame_sets.hpp"
 #include "fpga_stereo/link/identity.hpp"
 #include "fpga_stereo/link/session.hpp"
 #include "fpga_stereo/ros/board_settings.hpp"
@@ -26,6 +27,7 @@ class BoardPlan {
     Settings settings;
     CameraTopics::Infos infos;
     std::shared_ptr<const StereoRectification> rectification;  // null: the board's images are raw
+    cv::Size image_size;                                       // px, of every image it makes
   };
 
   explicit BoardPlan(const BoardSettings& settings) : settings_(settings) {}
@@ -46,7 +48,8 @@ class BoardPlan {
   const CameraTopics::Infos& calibration() const { return infos_; }
   /// What the device is to be told; means something where a board is present.
   const link::Wanted& wanted() const { return wanted_; }
-  bool wants(link::Stream stream) const;
+  /// Something was dropped of a set, and it lacks an image that is wanted of every pair.
+  bool lacks(const link::FrameSet& set) const;
   /// What frames of this tag are made from; null: that was long ago.
   std::shared_ptr<const Made> made(std::uint64_t tag) const;
 
@@ -54,8 +57,13 @@ class BoardPlan {
   /// Makes a configuration of settings, calibration and build.
   void configure();
   void want();
+  /// Streams of all pairs; those for verification alone are not among them.
   unsigned streams_of_cameras() const;
   unsigned streams_of_pairs() const;
+  /// A rectified image, or the raw one to be rectified here.
+  unsigned rectified(link::Stream rectified, link::Stream raw) const;
+  /// Why this build makes no disparity, whatever the settings; empty: it may.
+  std::string missing_stream() const;
   bool shifted() const { return node_settings_.pipeline.min_disparity != 0; }
 
   const BoardSettings& settings_;

@@ -15,9 +15,11 @@ namespace fpga_stereo {
 void fill(const link::Device::Snapshot& board, const Verifier::Counters& verified,
           StereoStatus& status);
 
-/// `unable`: why the board does not make the disparity, though it is there.
+/// `unable`: why the board does not make the disparity, though it is there. `expected`: that there
+/// is none is something to warn of.
 void report_board(const link::Device::Snapshot& board, const Verifier::Counters& verified,
-                  const std::string& unable, diagnostic_updater::DiagnosticStatusWrapper& report);
+                  const std::string& unable, bool expected,
+                  diagnostic_updater::DiagnosticStatusWrapper& report);
 
 /// Lines of "name: value".
 std::string device_info(const link::Device::Snapshot& board);

@@ -4,6 +4,8 @@
 
 #include <ros/time.h>
 
+#include <atomic>
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -11,6 +13,7 @@
 #include <string>
 
 #include "fpga_stereo/link/device.hpp"
+#include "fpga_stereo/ros/board_frames.hpp"
 #include "fpga_stereo/ros/board_plan.hpp"
 #include "fpga_stereo/ros/board_settings.hpp"
 #include "fpga_stereo/ros/camera_topics.hpp"
@@ -44,7 +47,8 @@ class BoardSource {
   std::string unable() const;
   /// The board takes pairs from topics, now.
   bool takes_pairs() const;
-  /// Sends a pair; false: it cannot be sent now.
+  /// Sends a pair, or drops it where the board is still busy with those before. False: the pair is
+  /// the software's.
   bool send(const InputPair& pair);
 
   void set_demand(const Demand& demand);
@@ -56,20 +60,43 @@ class BoardSource {
   /// Why there are no frames of the board; empty where there are.
   std::string complaint() const;
   link::Device::Snapshot snapshot() const { return device_.snapshot(); }
+  /// There should be a board: one was asked for, or was there before, or cannot be opened.
+  bool expected() const;
   Verifier::Counters verified() const { return verifier_.counters(); }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  /// A pair that is under way in the board.
+  struct Sent {
+    InputPair pair;
+    Clock::time_point when;
+  };
+  using SentPairs = std::map<std::uint64_t, Sent>;  // by frame_id
+
+  link::Device::Options device_options();
   link::Device::Callbacks device_callbacks();
   void identified(const link::Identity& identity);
   void closed();
-  void received(const std::vector<link::Session::Received>& sets);
-  void take(const link::Session::Received& received);
-  void take_pair(const link::Session::Received& received, const BoardPlan::Made& made);
-  void take_camera_frame(const link::Session::Received& received, const BoardPlan::Made& made);
-  void count_lost(const link::FrameSet& set);
-  void refuse(const std::string& why);
-  /// Tells the device what is wanted. With mutex_.
+  /// Pairs that the board will not answer any more.
+  void hand_on(const SentPairs& sent);
+  void received(const link::Session::Received& received);
+  void take_pair(const link::Session::Received& received, const BoardPlan::Made& made,
+                 const InputPair& pair, const Demand& demand);
+  void take_camera_frame(const link::Session::Received& received, const BoardPlan::Made& made,
+                         const Demand& demand);
+  /// Where due, has the frame computed in software, too.
+  void verify(const link::FrameSet& set, const BoardPlan::Made& made, const cv::Mat& left,
+              const cv::Mat& right);
+  void refuse(DropCause cause, const std::string& why);
+
+  // With mutex_.
+  /// Tells the device what is wanted.
   void tell();
+  void count_lost(const link::FrameSet& set);
+  /// The pair that a frame was made of; none: it was given up.
+  std::optional<InputPair> take_sent(std::uint64_t frame_id);
+  /// Pairs of which nothing came for too long are lost.
+  void give_up_lost();
 
   const BoardSettings settings_;
   CameraTopics& cameras_;
@@ -79,10 +106,17 @@ class BoardSource {
 
   mutable std::mutex mutex_;
   BoardPlan plan_;
-  std::map<std::uint64_t, InputPair> sent_;  // by frame_id, not come back yet
+  SentPairs sent_;
   std::uint64_t next_pair_ = 1;
-  StampGate gate_;
-  std::optional<std::uint64_t> last_frame_;  // frame_id
+  Clock::time_point last_back_{};                         // when a pair came back
+  Clock::duration turnaround_{std::chrono::seconds(10)};  // of that pair; at first, of a slow line
+  std::optional<std::uint64_t> last_frame_;  // frame_id; none: nothing was wanted since
+
+  // Of the device's thread.
+  StampGate gate_;                              // of the cameras' frames
+  std::optional<std::uint64_t> last_verified_;  // frame_id
+
+  std::atomic<bool> none_found_{false};
 
   link::Device device_;  // last: its thread uses all of the above
 };

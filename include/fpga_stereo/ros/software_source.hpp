@@ -12,7 +12,6 @@
 #include "fpga_stereo/ros/frame.hpp"
 #include "fpga_stereo/ros/health.hpp"
 #include "fpga_stereo/ros/rectifier.hpp"
-#include "fpga_stereo/ros/stamp_gate.hpp"
 #include "fpga_stereo/ros/topic_input.hpp"
 
 namespace fpga_stereo {
@@ -48,7 +47,6 @@ class SoftwareSource {
   Callback callback_;
 
   // Owned by the thread.
-  StampGate gate_;
   Pipeline pipeline_;
   Rectifier rectifier_;
 
