@@ -1,5 +1,6 @@
 // The running node with a board that has cameras of its own, behind a serial line.
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/SetCameraInfo.h>
 #include <std_srvs/Trigger.h>
 #include <stereo_msgs/DisparityImage.h>
@@ -142,10 +143,16 @@ TEST_F(Board, KeepsItsCalibrationAndComesBack) {
 
 TEST_F(Board, ReportsVerification) {
   plug_in();
+  // One frame in two, also where raw images come of all of them.
+  Listener<Image> left(rig_.nh(), "left/image_raw");
+  ASSERT_TRUE(eventually([&] { return left.count() > 0; }));
   ASSERT_TRUE(true_disparity());
-  const StereoStatus s =
-      rig_.status_when([](const StereoStatus& r) { return r.verified_frames > 3; });
-  EXPECT_GT(s.verified_frames, 3U);
+  const StereoStatus before = rig_.status();
+  const StereoStatus s = rig_.status_when(
+      [&](const StereoStatus& r) { return r.verified_frames > before.verified_frames + 10; });
+  EXPECT_GT(s.verified_frames, before.verified_frames + 10);
+  EXPECT_LE(s.verified_frames - before.verified_frames,
+            (s.frames_published - before.frames_published) / 2 + 2);
   EXPECT_EQ(s.verified_pixels_differ, 0U);
   board_.reset();
 
@@ -176,6 +183,8 @@ TEST_F(Board, LeavesToTheSoftwareWhatItCannotDo) {
 TEST_F(Board, OfAnotherSpecificationIsRefusedByName) {
   sim::SoftwareBoard::Options options;
   options.wrong = {{spec::kRegSpecHash, 0xDEADBEEF}};
+  Listener<rosgraph_msgs::Log> log(rig_.nh(), "/rosout");
+  ASSERT_TRUE(eventually([&] { return log.count() > 0; }));
   plug_in(options);
   const StereoStatus s = status_when("refused", "software");
   EXPECT_EQ(s.source, "software");
@@ -185,6 +194,10 @@ TEST_F(Board, OfAnotherSpecificationIsRefusedByName) {
   EXPECT_NE(info.response.message.find("the board's gateware is of specification 0xDEADBEEF"),
             std::string::npos)
       << info.response.message;
+  EXPECT_TRUE(log.any([](const rosgraph_msgs::Log& line) {
+    return line.level == rosgraph_msgs::Log::ERROR &&
+           line.msg.find("specification 0xDEADBEEF") != std::string::npos;
+  })) << "no error, though it was plugged in later";
 }
 
 TEST_F(Board, IsResetAndTellsAboutItself) {
@@ -203,7 +216,7 @@ TEST_F(Board, IsResetAndTellsAboutItself) {
   EXPECT_NE(call.response.message.find("640 px wide, 64 disparities"), std::string::npos);
 }
 
-TEST(BoardIdle, SendsNothingThatNobodyListensTo) {
+TEST(BoardIdle, SendsNothingThatNobodyListensToAndLosesNothing) {
   std::string line;
   ros::param::get("~line", line);
   PtyBoard board(line, sim::SoftwareBoard::Options{});
@@ -212,12 +225,35 @@ TEST(BoardIdle, SendsNothingThatNobodyListensTo) {
   Rig rig;
   rig.status_when([](const StereoStatus& s) { return s.board.rfind("ready", 0) == 0; });
   EXPECT_EQ(board.peek(spec::kRegStreams), 0U);
+  const StereoStatus before = rig.status();
   {
     Listener<Image> rect(rig.nh(), "left/image_rect");
     EXPECT_TRUE(eventually([&] { return rect.count() > 2; }));
     EXPECT_EQ(board.peek(spec::kRegStreams), spec::kStreamsRectifiedLeft.mask());
   }
   EXPECT_TRUE(eventually([&] { return board.peek(spec::kRegStreams) == 0; }));
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // its frames are numbered on
+  Listener<Image> raw(rig.nh(), "left/image_raw");
+  const StereoStatus again = rig.status_when([](const StereoStatus& s) { return s.rate > 10; });
+  EXPECT_GT(again.latency_ms, 0) << "raw images are published frames, too";
+  EXPECT_LT(again.latency_ms, 1000);
+  EXPECT_GT(again.board_latency_p50_ms, 0);
+  EXPECT_EQ(again.dropped_link, before.dropped_link) << "what nobody wanted is not lost";
+}
+
+TEST(BoardIdle, GoesOnWithoutStreamsThatTheBuildLacks) {
+  std::string line;
+  ros::param::get("~line", line);
+  sim::SoftwareBoard::Options options;
+  options.streams = 1U << kStreamDisparity | 1U << kStreamRawLeft;
+  PtyBoard board(line, options);
+  const PairMessages pair = synthetic_pair(kSize, 12, true);
+  board.watch({grey(pair.left), grey(pair.right)});
+  Rig rig;
+  Listener<Image> rect(rig.nh(), "left/image_rect"), right(rig.nh(), "right/image_raw");
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  EXPECT_TRUE(eventually([&] { return rect.count() > 2 && disparity.count() > 2; }));
+  EXPECT_EQ(right.count(), 0U) << "it has none, and goes on";
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
+#include <algorithm>
 #include <functional>
 #include <mutex>
 #include <opencv2/core.hpp>
@@ -41,6 +42,14 @@ class Listener {
   Ptr last() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return messages_.empty() ? nullptr : messages_.back();
+  }
+  /// Waits for a message that fulfils `condition`.
+  bool any(const std::function<bool(const Message&)>& condition) const {
+    return eventually([&] {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return std::any_of(messages_.begin(), messages_.end(),
+                         [&](const Ptr& message) { return condition(*message); });
+    });
   }
   /// The message with this stamp, waiting for it; null where it does not come.
   Ptr with_stamp(const ros::Time& stamp, double seconds = 10) const {
