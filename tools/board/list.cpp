@@ -19,8 +19,10 @@ std::string problem(const link::FoundDevice& device) {
     return access(path.c_str(), R_OK | W_OK) == 0 ? "" : link::serial_error(errno, path).message;
   }
   if (device.description.find("LIBUSB_ERROR_ACCESS") != std::string::npos) {
-    return "may not be opened by this user: install the rule with 'sudo rosrun fpga_stereo board "
-           "udev --install', then plug the board in again";
+    return "may not be opened by this user: 'rosrun fpga_stereo board udev | sudo tee "
+           "/etc/udev/rules.d/70-fpga-stereo.rules', 'sudo udevadm control --reload', then plug "
+           "the "
+           "board in again";
   }
   return "";
 }

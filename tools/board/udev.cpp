@@ -14,6 +14,7 @@ namespace fpga_stereo::tools {
 namespace {
 
 constexpr const char* kFolder = "/etc/udev/rules.d";
+constexpr const char* kFile = "70-fpga-stereo.rules";
 
 void run_udevadm(const Arguments& arguments) {
   Arguments command{"udevadm"};
@@ -28,7 +29,9 @@ void udev_rule(const std::string&, const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board udev [--install]\n"
-      "Prints the udev rule that lets users open the board on USB, or installs it, as root.\n";
+      "Prints the udev rule that lets users open the board on USB, or installs it, as root.\n"
+      "Where ROS is not in root's environment: board udev | sudo tee " +
+      std::string(kFolder) + "/" + kFile + ",\nthen sudo udevadm control --reload.\n";
   line.options.add_options()("install", boost::program_options::bool_switch(),
                              "write it, and have udev read it");
   line.options.add_options()(
@@ -42,14 +45,15 @@ void udev_rule(const std::string&, const Arguments& arguments) {
     return;
   }
   const std::string folder = parsed->options["folder"].as<std::string>();
-  const std::string path = folder + "/70-fpga-stereo.rules";
+  const std::string path = folder + "/" + kFile;
   std::ofstream file(path);
   file << kUdevRule;
   file.close();
   if (!file) {
     const bool denied = errno == EACCES || errno == EPERM;
-    throw std::runtime_error(concat(path, ": cannot be written: ", std::strerror(errno),
-                                    denied && geteuid() != 0 ? "; run it with sudo" : ""));
+    throw std::runtime_error(
+        concat(path, ": cannot be written: ", std::strerror(errno),
+               denied && geteuid() != 0 ? "; 'board udev | sudo tee " + path + "' can" : ""));
   }
   if (folder == kFolder) {
     run_udevadm({"control", "--reload"});
