@@ -365,12 +365,12 @@ const SoftwareBoard::Made& SoftwareBoard::make(const RawPair& pair) {
   for (const Made& made : made_) {
     if (made.raw.left.data == pair.left.data && made.raw.right.data == pair.right.data) return made;
   }
-  const Taps& taps =
+  const DisparityFrame& frame =
       pipeline_.process(pair.left, pair.right, rectification_, parameters_, options_.num_threads);
   while (!made_.empty() && made_.size() >= std::max<std::size_t>(options_.kept_pairs, 1)) {
     made_.pop_front();
   }
-  made_.push_back({pair, taps.left.clone(), taps.right.clone(), taps.disparity.clone()});
+  made_.push_back({pair, frame.left.clone(), frame.right.clone(), frame.disparity.clone()});
   for (int i = 0; i < options_.wrong_pixels; ++i) made_.back().disparity(0, i) ^= 1;
   return made_.back();
 }

@@ -82,12 +82,12 @@ Result<StereoFrame> SoftwareSource::make(const InputPair& pair, const Demand& de
   if (!begun) return begun.error();
   StereoFrame& frame = *begun;
   if (demand.disparity) {
-    const Taps& taps = pipeline_.process(frame.left.mono, frame.right.mono, **made,
-                                         settings.pipeline, settings.num_threads);
-    frame.disparity = taps.disparity;
-    frame.left.rect = taps.left;
-    if (settings.pipeline.min_disparity == 0) frame.right.rect = taps.right;
-    frame.ms = taps.ms;
+    const DisparityFrame& computed = pipeline_.process(
+        frame.left.mono, frame.right.mono, **made, settings.pipeline, settings.num_threads);
+    frame.disparity = computed.disparity;
+    frame.left.rect = computed.left;
+    if (settings.pipeline.min_disparity == 0) frame.right.rect = computed.right;
+    frame.ms = computed.ms;
   }
   if (const Status added = add_pictures(pair, **made, demand, frame); !added) return added.error();
   return begun;

@@ -43,15 +43,15 @@ void Verifier::run() {
       job = std::move(*waiting_);
       waiting_.reset();
     }
-    const Taps& taps = pipeline.process(job.left, job.right, *job.rectification, job.parameters, 1);
+    const DisparityFrame& made = pipeline.process(job.left, job.right, *job.rectification, job.parameters, 1);
     std::vector<cv::Point> differ;
-    cv::findNonZero(taps.disparity != job.disparity, differ);
+    cv::findNonZero(made.disparity != job.disparity, differ);
     if (!differ.empty()) {
       ROS_ERROR_NAMED("stereo",
                       "the board's disparity differs from the software's in %zu pixels, first at "
                       "x %d, y %d: %d instead of %d",
                       differ.size(), differ[0].x, differ[0].y, job.disparity(differ[0]),
-                      taps.disparity(differ[0]));
+                      made.disparity(differ[0]));
     }
     const std::lock_guard<std::mutex> lock(mutex_);
     ++counters_.frames;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "support/data_test.hpp"
 
 namespace fpga_stereo::test {
@@ -38,7 +38,7 @@ double average_bad_percent(CensusPattern pattern) {
     p.speckle_size = 0;
     StereoGeometry geometry;
     geometry.image_size = pair.left.size();
-    Pipeline pipeline;
+    ReferencePipeline pipeline;
     const Taps& taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), p, 1);
     for (const cv::Mat1b& mask : {pair.nonocc, pair.all, pair.disc}) {
       sum += bad_percent(taps.disparity, pair.truth, mask);

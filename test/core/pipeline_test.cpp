@@ -1,4 +1,4 @@
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -82,7 +82,7 @@ TEST(Pipeline, EqualsTheNaiveModel) {
       const SlantedPair pair = textured(size, ++seed);
       const StereoRectification r = bent(size, seed);
       const Taps expected = naive_taps(pair.left, pair.right, r, p);
-      Pipeline pipeline;
+      ReferencePipeline pipeline;
       const Case c{p, seed, "textured"};
       ASSERT_TRUE(same(expected, pipeline.process(pair.left, pair.right, r, p, 1), c));
       const cv::Mat1b left = padded(pair.left, 1), right = padded(pair.right, 2);
@@ -95,7 +95,7 @@ TEST(Pipeline, DefaultsEqualTheNaiveModel) {
   const cv::Size size(96, 24);
   const Parameters p;
   const SlantedPair pair = textured(size, 3);
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   const StereoRectification r = unmoved(size);
   const Taps& taps = pipeline.process(pair.left, pair.right, r, p, 2);
   EXPECT_TRUE(same(naive_taps(pair.left, pair.right, r, p), taps, {p, 3, "textured"}));
@@ -106,7 +106,7 @@ TEST(Pipeline, EverySwitch) {
   const cv::Size size(48, 20);
   const SlantedPair pair = textured(size, 4);
   const StereoRectification r = unmoved(size);
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   for (int switches = 0; switches < 16; ++switches) {
     Parameters p = small_search();
     p.left_right_check = (switches & 1) != 0;
@@ -122,7 +122,7 @@ TEST(Pipeline, ExtremeImages) {
   const cv::Size size(30, 14);
   const Parameters p = small_search();
   const StereoRectification r = unmoved(size);
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   for (const NamedImage& left : extreme_images(size, 5)) {
     for (const NamedImage& right : extreme_images(size, 6)) {
       const Taps& taps = pipeline.process(left.image, right.image, r, p, 3);
@@ -141,7 +141,7 @@ TEST(Pipeline, ThreadsAndRepetitionChangeNothing) {
     p.speckle_size = 50;
     const SlantedPair pair = textured(size, 7);
     const StereoRectification r = bent(size, 7);
-    Pipeline one, many;
+    ReferencePipeline one, many;
     const Taps& expected = one.process(pair.left, pair.right, r, p, 1);
     for (const int threads : {1, 2, 3, 7, 37, 200}) {
       for (int repetition = 0; repetition < 2; ++repetition) {
@@ -153,7 +153,7 @@ TEST(Pipeline, ThreadsAndRepetitionChangeNothing) {
 }
 
 TEST(Pipeline, NothingIsLeftOfAnEarlierFrame) {
-  Pipeline used;
+  ReferencePipeline used;
   unsigned seed = 1600;
   for (const cv::Size size : {cv::Size(40, 30), {17, 41}, {1, 1}, {50, 12}}) {
     for (const int range : {32, 8}) {
@@ -162,7 +162,7 @@ TEST(Pipeline, NothingIsLeftOfAnEarlierFrame) {
       p.census_pattern = range == 8 ? CensusPattern::kFull : CensusPattern::kSparse;
       const SlantedPair pair = textured(size, ++seed);
       const StereoRectification r = unmoved(size);
-      Pipeline fresh;
+      ReferencePipeline fresh;
       const Taps& expected = fresh.process(pair.left, pair.right, r, p, 2);
       ASSERT_TRUE(same(expected, used.process(pair.left, pair.right, r, p, 2), {p, seed, "used"}));
     }
@@ -172,7 +172,7 @@ TEST(Pipeline, NothingIsLeftOfAnEarlierFrame) {
 TEST(Pipeline, LeavesItsInputsAlone) {
   const SlantedPair pair = textured({40, 30}, 8);
   const cv::Mat1b left = pair.left.clone(), right = pair.right.clone();
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   pipeline.process(left, right, unmoved(left.size()), small_search(), 2);
   EXPECT_TRUE(test::same("left", pair.left, left));
   EXPECT_TRUE(test::same("right", pair.right, right));
@@ -190,7 +190,7 @@ TEST(Pipeline, MinimumDisparityFindsTheSame) {
       pair.right.col(x + minimum).copyTo(near.col(x));
       pair.right.col(x + minimum).copyTo(visible.col(x + minimum));
     }
-    Pipeline plain, shifted;
+    ReferencePipeline plain, shifted;
     const Taps& expected = plain.process(pair.left, visible, unmoved(size), p, 1);
     p.min_disparity = minimum;
     const Taps& taps = shifted.process(pair.left, near, unmoved(size, minimum), p, 2);
@@ -203,7 +203,7 @@ TEST(Pipeline, FindsThePlane) {
   const cv::Size size(120, 60);
   const Parameters p = small_search();
   const SlantedPair pair = textured(size, 10);  // 3.2 + 0.05 x
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   const Taps& taps = pipeline.process(pair.left, pair.right, unmoved(size), p, 2);
   int close = 0;
   int valid = 0;
@@ -219,7 +219,7 @@ TEST(Pipeline, FindsThePlane) {
 }
 
 TEST(Pipeline, TimesOfEveryStage) {
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   const SlantedPair pair = textured({40, 30}, 11);
   const Taps& taps = pipeline.process(pair.left, pair.right, unmoved({40, 30}), small_search(), 2);
   for (const double ms : taps.ms) EXPECT_GT(ms, 0);

@@ -138,7 +138,7 @@ Frame frame(CensusPattern pattern) {
   const SlantedPair pair = slanted_pair({70, 31}, Texture(1900), 3.2, 0.05);
   StereoGeometry geometry;
   geometry.image_size = pair.left.size();
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   f.taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), f.parameters, 2);
   return f;
 }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "support/images.hpp"
 #include "support/naive.hpp"
 
@@ -24,7 +24,7 @@ Errors errors_on_plane(double a, double b, CensusPattern pattern, unsigned seed)
   StereoGeometry geometry;
   geometry.image_size = size;
   const SlantedPair pair = slanted_pair(size, Texture(seed), a, b);
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   const Taps& taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), p, 1);
 
   Errors errors;

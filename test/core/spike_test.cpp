@@ -2,7 +2,7 @@
 
 #include <opencv2/calib3d.hpp>
 
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "support/compare.hpp"
 #include "support/data_test.hpp"
 #include "support/images.hpp"
@@ -166,7 +166,7 @@ using SpikeData = DataTest;
 /// Percentage of equal pixels for the disparity of a real pair before spike.
 void expect_agreement(const cv::Mat1b& left, const cv::Mat1b& right,
                       const StereoRectification& rectification, Parameters p) {
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   const cv::Mat1w in = pipeline.process(left, right, rectification, p, 1).refined;
   for (const int minimum : {50, 400}) {
     p.speckle_size = minimum;
@@ -200,7 +200,7 @@ TEST_F(SpikeData, EqualsTheNaiveModel) {
   Parameters p;
   p.disparity_range = pair.disparity_range;
   p.speckle_size = 1000;  // the look-ahead matters most
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   const Taps& taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), p, 1);
   EXPECT_TRUE(same("spike", naive::spike(taps.refined, p), taps.disparity, {p, 0, "tsukuba"}));
   EXPECT_NE(cv::countNonZero(filter_speckles(taps.refined, p) != taps.disparity), 0)

@@ -43,7 +43,7 @@ sim::RawPair SessionRig::pair(unsigned seed, cv::Size size) {
 }
 
 cv::Mat1w SessionRig::expected(const sim::RawPair& pair, const Setting& setting) {
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   return pipeline.process(pair.left, pair.right, setting.rectification, setting.parameters, 1)
       .disparity.clone();
 }

@@ -20,7 +20,7 @@ TEST(Session, BringsEveryStreamOfABoard) {
   ASSERT_TRUE(rig.streaming());
   EXPECT_EQ(rig.session.complaint(), "");
   const SessionRig::Setting setting = SessionRig::setting(7);
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   const Taps& taps = pipeline.process(rig.pairs[0].left, rig.pairs[0].right, setting.rectification,
                                       setting.parameters, 1);
   for (const Session::Received& r : rig.received) {

@@ -2,7 +2,7 @@
 
 #include <cv_bridge/cv_bridge.h>
 
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "fpga_stereo/ros/conversions.hpp"
 #include "support/images.hpp"
 
@@ -65,7 +65,7 @@ cv::Mat1w core_disparity(const PairMessages& pair, const Parameters& parameters)
       to_calibration(pair.left_info), to_calibration(pair.right_info), parameters.min_disparity);
   const cv::Mat left = cv_bridge::toCvCopy(pair.left, "mono8")->image;
   const cv::Mat right = cv_bridge::toCvCopy(pair.right, "mono8")->image;
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   return pipeline.process(left, right, *rectification, parameters, 1).disparity.clone();
 }
 

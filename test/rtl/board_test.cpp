@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "fpga_stereo/link/frame_assembler.hpp"
 #include "fpga_stereo/link/identity.hpp"
@@ -216,7 +216,7 @@ class BoardRig {
 
   link::Decoder decoder_;
   link::FrameAssembler assembler_;
-  Pipeline pipeline_;
+  ReferencePipeline pipeline_;
   std::uint32_t sequence_ = kLinkFirstSequence;
   std::uint16_t id_ = 7;
   link::Header answer_;

@@ -30,7 +30,7 @@ SystemModel::Flow flow(double camera, double tx = 1, unsigned seed = 1) {
 void expect_good(SystemRig& rig, const std::vector<RawPair>& pairs, const Parameters& p,
                  const StereoRectification& rectification, std::uint32_t streams,
                  std::uint64_t first_id, std::uint32_t configuration) {
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   std::map<std::pair<std::uint64_t, Stream>, const Assembled*> got;
   for (const Assembled& frame : rig.frames) {
     EXPECT_EQ(frame.verdict, Verdict::kGood) << frame.text();
@@ -161,7 +161,7 @@ TEST(RtlSystemFrames, ALineThatIsTooSlowCostsWholeFramesAndIsCounted) {
     return good == 10;
   };
   rig.run_until(last);
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   std::uint32_t flagged = 0, good = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Taps& taps = pipeline.process(pairs[i].left, pairs[i].right, rectification, p, 1);
@@ -220,7 +220,7 @@ TEST(RtlSystemFrames, TheConfigurationChangesWithTheFramesThatItMakes) {
     rig.run_until([&] { return rig.system().idle(); });
   }
   rig.run_until_frames(5 * pairs.size());
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   for (const Assembled& frame : rig.frames) {
     EXPECT_EQ(frame.verdict, Verdict::kGood);
     const std::size_t i = frame.frame_id - kFirstFrame;

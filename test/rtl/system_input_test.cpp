@@ -62,7 +62,7 @@ class RtlSystemInput : public ::testing::Test {
   }
 
   SystemRig rig_;
-  Pipeline pipeline_;
+  ReferencePipeline pipeline_;
   Parameters parameters_ = system_parameters();
   StereoRectification rectification_ = distorted(kSize, 0.6);
 };

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "fpga_stereo/core/signature.hpp"
 #include "sim/gateware.hpp"
 #include "support/compare.hpp"
@@ -91,7 +91,7 @@ struct Expected {
 
 inline Expected in_software(const TopCase& c) {
   Expected expected;
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   for (const sim::RawPair& pair : c.pairs) {
     const Taps& taps = pipeline.process(pair.left, pair.right, c.rectification, c.parameters, 1);
     expected.disparities.push_back(taps.disparity.clone());

@@ -5,7 +5,7 @@
 #include <regex>
 
 #include "board_rig.hpp"
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "fpga_stereo/ros/conversions.hpp"
 
@@ -72,7 +72,7 @@ TEST_F(BoardTest, WhatIsCapturedIsWhatMatchWrites) {
       make_stereo_rectification(to_calibration(distorted_cameras(kSize).left),
                                 to_calibration(distorted_cameras(kSize).right), 1);
   ASSERT_TRUE(rectification);
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   Parameters parameters;
   for (const auto& entry : fs::directory_iterator(at("captured/left"))) {
     const std::string name = entry.path().filename().string();

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "fpga_stereo/core/convert.hpp"
-#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 #include "fpga_stereo/ros/conversions.hpp"
 #include "programs.hpp"
 
@@ -23,7 +23,7 @@ StereoRectification none(int min_disparity) {
 
 cv::Mat1w expected(const NoisePair& pair, const StereoRectification& rectification,
                    const Parameters& parameters) {
-  Pipeline pipeline;
+  ReferencePipeline pipeline;
   return pipeline.process(pair.left, pair.right, rectification, parameters, 1).disparity.clone();
 }
 

@@ -95,12 +95,12 @@ class SelfTest {
     require(made, "this board cannot be tested with that: ");
     configure(board_, *made, ++tag_, streams_, true, kConfigureTime);
     const link::FrameSet set = send(test);
-    const Taps& taps = pipeline_.process(test.left, test.right, test.rectification, test.parameters,
+    const DisparityFrame& made = pipeline_.process(test.left, test.right, test.rectification, test.parameters,
                                          cv::getNumberOfCPUs());
     Comparison all;
-    compare(test, "disparity", set.image(link::Stream::kDisparity), taps.disparity, all);
-    compare(test, "left", set.image(link::Stream::kRectifiedLeft), taps.left, all);
-    compare(test, "right", set.image(link::Stream::kRectifiedRight), taps.right, all);
+    compare(test, "disparity", set.image(link::Stream::kDisparity), made.disparity, all);
+    compare(test, "left", set.image(link::Stream::kRectifiedLeft), made.left, all);
+    compare(test, "right", set.image(link::Stream::kRectifiedRight), made.right, all);
     return all;
   }
 

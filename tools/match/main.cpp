@@ -40,12 +40,12 @@ void match(const Arguments& arguments) {
   const StereoJob job = read_job(*parsed);
 
   Pipeline pipeline;
-  const Taps& taps =
+  const DisparityFrame& made =
       pipeline.process(job.left, job.right, job.rectification, job.parameters, num_threads);
-  write_result(job, taps.disparity);
+  write_result(job, made.disparity);
   if (parsed->options["verbose"].as<bool>()) {
     print_rectification(job.rectification);
-    print_times(taps.ms);
+    print_times(made.ms);
   }
 }
 

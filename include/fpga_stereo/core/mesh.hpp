@@ -33,10 +33,12 @@ class MeshRow {
   MeshRow(const Mesh& mesh, int y);
   /// Source of pixel (x, y) in 1/32 px of the raw image.
   cv::Point source(int x) const;
+  /// Displacement at (8 i, y), 1/1024 px.
+  const std::vector<cv::Point>& columns() const { return columns_; }
 
  private:
   int y_;
-  std::vector<cv::Point> columns_;  // displacement at (8 i, y), 1/1024 px
+  std::vector<cv::Point> columns_;
 };
 
 }  // namespace fpga_stereo

@@ -1,28 +1,21 @@
-// The pipeline in software: the stages in order, over bands of rows in parallel.
+// The pipeline in software: all stages, on the instructions of target(), over bands of rows in
+// parallel. The same bits as ReferencePipeline.
 #pragma once
 
-#include <array>
+#include <memory>
 #include <opencv2/core.hpp>
-#include <vector>
+#include <string>
 
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
-#include "fpga_stereo/core/spec.hpp"
-#include "fpga_stereo/core/stages.hpp"
+#include "fpga_stereo/core/reference_pipeline.hpp"
 
 namespace fpga_stereo {
 
-/// Wall-clock time of each stage, ms, by Stage.
-using StageTimes = std::array<double, kNumStages>;
-
-/// The output of every stage for one frame. Valid until the next frame is processed.
-struct Taps {
-  cv::Mat1b left, right;          // rectified; right is shifted by min_disparity
-  cv::Mat left_bits, right_bits;  // census
-  Selection selection;
-  cv::Mat1b kept;
-  cv::Mat1w refined;    // of subpixel
-  cv::Mat1w disparity;  // of spike: the result, 1/32 px, kNoDisparity = none
+/// What the pipeline makes of a pair. Valid until the next one is processed.
+struct DisparityFrame {
+  cv::Mat1b left, right;  // rectified; right is shifted by min_disparity
+  cv::Mat1w disparity;    // 1/32 px, kNoDisparity = none
   StageTimes ms{};
 };
 
@@ -31,22 +24,26 @@ struct Taps {
 Status validate_image(const cv::Mat& raw, const StereoRectification& rectification,
                       const std::string& camera);
 
-/// rectify over bands of rows, `num_threads` of them.
+/// rectify on the instructions of target(), over bands of rows, `num_threads` of them.
 void rectify_in_bands(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified);
 
 class Pipeline {
  public:
+  Pipeline();
+  ~Pipeline();
+
   /// Runs every stage. The result does not depend on `num_threads` (>= 1), which limits how many
   /// threads of OpenCV's pool work on the frame. The images must pass validate_image.
-  const Taps& process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
-                      const StereoRectification& rectification, const Parameters& parameters,
-                      int num_threads);
+  const DisparityFrame& process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
+                                const StereoRectification& rectification,
+                                const Parameters& parameters, int num_threads);
 
  private:
-  void match_and_select(const Parameters& parameters, int num_threads);
+  class Simd;
 
-  Taps taps_;
-  std::vector<Match> matches_;  // one per band
+  ReferencePipeline reference_;
+  std::unique_ptr<Simd> simd_;
+  DisparityFrame frame_;
 };
 
 }  // namespace fpga_stereo

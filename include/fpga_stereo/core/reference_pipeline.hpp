@@ -1,0 +1,44 @@
+// The pipeline as the scalar stages state it, with what every stage gives: normative, and slow.
+#pragma once
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "fpga_stereo/core/calibration.hpp"
+#include "fpga_stereo/core/parameters.hpp"
+#include "fpga_stereo/core/spec.hpp"
+#include "fpga_stereo/core/stages.hpp"
+
+namespace fpga_stereo {
+
+/// Wall-clock time of each stage, ms, by Stage.
+using StageTimes = std::array<double, kNumStages>;
+
+/// The output of every stage for one frame. Valid until the next frame is processed.
+struct Taps {
+  cv::Mat1b left, right;          // rectified; right is shifted by min_disparity
+  cv::Mat left_bits, right_bits;  // census
+  Selection selection;
+  cv::Mat1b kept;
+  cv::Mat1w refined;    // of subpixel
+  cv::Mat1w disparity;  // of spike: the result, 1/32 px, kNoDisparity = none
+  StageTimes ms{};
+};
+
+class ReferencePipeline {
+ public:
+  /// Runs every stage. The result does not depend on `num_threads` (>= 1), which limits how many
+  /// threads of OpenCV's pool work on the frame. The images must pass validate_image.
+  const Taps& process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
+                      const StereoRectification& rectification, const Parameters& parameters,
+                      int num_threads);
+
+ private:
+  void match_and_select(const Parameters& parameters, int num_threads);
+
+  Taps taps_;
+  std::vector<Match> matches_;  // one per band
+};
+
+}  // namespace fpga_stereo

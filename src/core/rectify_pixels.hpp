@@ -1,0 +1,34 @@
+// The scalar rectification of some pixels of a row: what the SIMD kernels leave to it, too.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+#include "fpga_stereo/core/mesh.hpp"
+
+namespace fpga_stereo {
+
+/// Pixels x0 .. x1 - 1: bilinear over 2 x 2, rounded half up; a pixel outside the raw image is 0.
+template <int kChannels>
+void rectify_pixels(const cv::Mat& raw, const MeshRow& mesh, int x0, int x1, std::uint8_t* out) {
+  constexpr int kOne = kSourceScale;  // what the weights of two neighbours add up to
+  for (int x = x0; x < x1; ++x) {
+    const cv::Point source = mesh.source(x);
+    const int left = source.x >> kSourceShift;
+    const int top = source.y >> kSourceShift;
+    const int wx = source.x & (kOne - 1);
+    const int wy = source.y & (kOne - 1);
+    for (int channel = 0; channel < kChannels; ++channel) {
+      const auto tap = [&](int tap_x, int tap_y) -> int {
+        const bool inside = tap_x >= 0 && tap_x < raw.cols && tap_y >= 0 && tap_y < raw.rows;
+        return inside ? raw.ptr(tap_y)[tap_x * kChannels + channel] : 0;
+      };
+      const int sum = (kOne - wy) * ((kOne - wx) * tap(left, top) + wx * tap(left + 1, top)) +
+                      wy * ((kOne - wx) * tap(left, top + 1) + wx * tap(left + 1, top + 1));
+      out[x * kChannels + channel] =
+          static_cast<std::uint8_t>((sum + kOne * kOne / 2) >> (2 * kSourceShift));
+    }
+  }
+}
+
+}  // namespace fpga_stereo

@@ -1,0 +1,87 @@
+#include "fpga_stereo/core/reference_pipeline.hpp"
+
+#include <chrono>
+#include <functional>
+
+#include "fpga_stereo/core/bands.hpp"
+
+namespace fpga_stereo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+const Taps& ReferencePipeline::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
+                              const StereoRectification& rectification,
+                              const Parameters& parameters, int num_threads) {
+  Taps& t = taps_;
+  const cv::Size size = rectification.geometry.image_size;
+  const auto timed = [&](Stage stage, const std::function<void(cv::Range)>& work) {
+    const auto start = Clock::now();
+    in_bands(size.height, num_threads, [&](int, cv::Range rows) { work(rows); });
+    t.ms[static_cast<std::size_t>(stage)] = ms_since(start);
+  };
+  for (cv::Mat1b* image : {&t.left, &t.right, &t.kept}) image->create(size);
+  t.refined.create(size);
+  create(t.selection, size);
+
+  timed(Stage::kRectify, [&](cv::Range rows) {
+    rectify(left_raw, rectification.left.mesh, rows, t.left);
+    rectify(right_raw, rectification.right.mesh, rows, t.right);
+  });
+  // Once for no row: gives the outputs their size before bands write to them.
+  census(t.left, parameters, {0, 0}, t.left_bits);
+  census(t.right, parameters, {0, 0}, t.right_bits);
+  timed(Stage::kCensus, [&](cv::Range rows) {
+    census(t.left, parameters, rows, t.left_bits);
+    census(t.right, parameters, rows, t.right_bits);
+  });
+  match_and_select(parameters, num_threads);
+  timed(Stage::kCheck, [&](cv::Range rows) { check(t.selection, parameters, rows, t.kept); });
+  timed(Stage::kSubpixel,
+        [&](cv::Range rows) { subpixel(t.selection, t.kept, parameters, rows, t.refined); });
+  const auto start = Clock::now();
+  t.refined.copyTo(t.disparity);
+  spike(parameters, t.disparity);
+  t.ms[static_cast<std::size_t>(Stage::kSpike)] = ms_since(start);
+  return t;
+}
+
+void ReferencePipeline::match_and_select(const Parameters& parameters, int num_threads) {
+  Taps& t = taps_;
+  const int height = t.left_bits.rows;
+  matches_.resize(num_threads);
+  std::vector<double> match_ms(num_threads), select_ms(num_threads);
+  const auto begin = Clock::now();
+  in_bands(height, num_threads, [&](int band, cv::Range rows) {
+    Match& match = matches_[band];
+    auto start = Clock::now();
+    match.start(t.left_bits, t.right_bits, parameters, rows.start);
+    for (int y = rows.start; y < rows.end; ++y) {
+      const cv::Mat1w& sums = match.next();
+      match_ms[band] += ms_since(start);
+      start = Clock::now();
+      select(sums, y, t.selection);
+      select_ms[band] += ms_since(start);
+      start = Clock::now();
+    }
+  });
+  // Both stages share each row, so the wall-clock time is split as the threads' time is.
+  const double wall = ms_since(begin);
+  double match_total = 0;
+  double select_total = 0;
+  for (int band = 0; band < num_threads; ++band) {
+    match_total += match_ms[band];
+    select_total += select_ms[band];
+  }
+  const double total = std::max(match_total + select_total, 1e-9);
+  t.ms[static_cast<std::size_t>(Stage::kMatch)] = wall * match_total / total;
+  t.ms[static_cast<std::size_t>(Stage::kSelect)] = wall * select_total / total;
+}
+
+}  // namespace fpga_stereo

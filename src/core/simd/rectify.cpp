@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/simd/rectify.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "core/rectify_pixels.hpp"
+#include "core/simd/kernels.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace fpga_stereo::simd::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D32 = hn::CappedTag<std::int32_t, kMeshPitch>;  // a cell of the mesh, or a part of it
+using V32 = hn::Vec<D32>;
+
+/// Where the 2 x 2 pixels of some rectified ones are, and their weights.
+struct Taps {
+  V32 left, top, wx, wy;
+};
+
+/// As MeshRow::source, of the pixels x .. x + lanes - 1 of one cell.
+HWY_INLINE Taps taps(const cv::Point* columns, int x, int y) {
+  const D32 d;
+  const int cell = x / kMeshPitch;
+  const cv::Point from = columns[cell], to = columns[cell + 1];
+  const auto along = hn::Iota(d, x % kMeshPitch);
+  const auto half_up = hn::Set(d, 1 << 7);
+  const auto moved = [&](int start, int step, V32 at) {
+    const auto exact = hn::Add(hn::Set(d, start * kMeshPitch), hn::Mul(hn::Set(d, step), along));
+    return hn::Add(at, hn::ShiftRight<8>(hn::Add(exact, half_up)));
+  };
+  const auto source_x = moved(from.x, to.x - from.x, hn::ShiftLeft<kSourceShift>(hn::Iota(d, x)));
+  const auto source_y = moved(from.y, to.y - from.y, hn::Set(d, y * kSourceScale));
+  const auto fraction = hn::Set(d, kSourceScale - 1);
+  return {hn::ShiftRight<kSourceShift>(source_x), hn::ShiftRight<kSourceShift>(source_y),
+          hn::And(source_x, fraction), hn::And(source_y, fraction)};
+}
+
+/// The upper and the lower two pixels of one channel -> their weighted mean, rounded half up.
+HWY_INLINE V32 bilinear(const Taps& t, V32 a, V32 b, V32 c, V32 e) {
+  const auto upper = hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), t.wx));
+  const auto lower = hn::Add(hn::ShiftLeft<kSourceShift>(c), hn::Mul(hn::Sub(e, c), t.wx));
+  const auto sum = hn::Add(hn::ShiftLeft<kSourceShift>(upper), hn::Mul(hn::Sub(lower, upper), t.wy));
+  const auto half = hn::Set(D32(), kSourceScale * kSourceScale / 2);
+  return hn::ShiftRight<2 * kSourceShift>(hn::Add(sum, half));
+}
+
+template <int kChannels>
+HWY_INLINE void rectify_channels(const cv::Mat& raw, const MeshRow& row, int y, int width,
+                                 std::uint8_t* out) {
+  const D32 d;
+  const hn::Rebind<std::uint8_t, D32> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto byte = hn::Set(d, 0xFF);
+  const auto pitch = hn::Set(d, static_cast<int>(raw.step[0]));
+  // Four bytes are read at every pixel, so the last columns are left to the scalar twin.
+  const auto end_left = hn::Set(d, raw.cols - 3), end_top = hn::Set(d, raw.rows - 1);
+  const auto* bytes = reinterpret_cast<const std::int32_t*>(raw.data);
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    const Taps t = taps(row.columns().data(), x, y);
+    const auto least = hn::Min(t.left, t.top);
+    const auto inside = hn::And(hn::Gt(least, hn::Set(d, -1)),
+                                hn::And(hn::Lt(t.left, end_left), hn::Lt(t.top, end_top)));
+    if (HWY_UNLIKELY(!hn::AllTrue(d, inside))) {
+      rectify_pixels<kChannels>(raw, row, x, x + lanes, out);
+      continue;
+    }
+    const auto columns = kChannels == 1 ? t.left : hn::Add(hn::Add(t.left, t.left), t.left);
+    const auto upper = hn::Add(hn::Mul(t.top, pitch), columns);
+    const auto lower = hn::Add(upper, pitch);
+    const auto a = hn::GatherOffset(d, bytes, upper), c = hn::GatherOffset(d, bytes, lower);
+    if constexpr (kChannels == 1) {
+      const auto mean =
+          bilinear(t, hn::And(a, byte), hn::And(hn::ShiftRight<8>(a), byte), hn::And(c, byte),
+                   hn::And(hn::ShiftRight<8>(c), byte));
+      hn::StoreU(hn::DemoteTo(d8, mean), d8, out + x);
+    } else {
+      const auto three = hn::Set(d, 3);
+      const auto b = hn::GatherOffset(d, bytes, hn::Add(upper, three));
+      const auto e = hn::GatherOffset(d, bytes, hn::Add(lower, three));
+      const auto blue = bilinear(t, hn::And(a, byte), hn::And(b, byte), hn::And(c, byte),
+                                 hn::And(e, byte));
+      const auto channel = [&](auto shifted) {
+        return bilinear(t, hn::And(shifted(a), byte), hn::And(shifted(b), byte),
+                        hn::And(shifted(c), byte), hn::And(shifted(e), byte));
+      };
+      const auto green = channel([](V32 v) { return hn::ShiftRight<8>(v); });
+      const auto red = channel([](V32 v) { return hn::ShiftRight<16>(v); });
+      std::array<std::int32_t, kMeshPitch> pixels;
+      hn::StoreU(hn::Or(hn::Or(blue, hn::ShiftLeft<8>(green)), hn::ShiftLeft<16>(red)), d,
+                 pixels.data());
+      for (int i = 0; i < lanes; ++i) {
+        std::memcpy(out + 3 * (x + i), &pixels[static_cast<std::size_t>(i)], 3);
+      }
+    }
+  }
+  rectify_pixels<kChannels>(raw, row, x, width, out);
+}
+
+void rectify_row(const cv::Mat& raw, const Mesh& mesh, int y, std::uint8_t* out) {
+  const MeshRow row(mesh, y);
+  if (raw.channels() == 1) {
+    rectify_channels<1>(raw, row, y, mesh.size.width, out);
+  } else {
+    rectify_channels<3>(raw, row, y, mesh.size.width, out);
+  }
+}
+
+}  // namespace fpga_stereo::simd::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace fpga_stereo::simd {
+
+HWY_EXPORT(rectify_row);
+
+void rectify_row(const cv::Mat& raw, const Mesh& mesh, int y, std::uint8_t* out) {
+  HWY_DYNAMIC_DISPATCH(rectify_row)(raw, mesh, y, out);
+}
+
+}  // namespace fpga_stereo::simd
+#endif
