@@ -27,6 +27,7 @@ if(NOT HIGHWAY_FOUND AND NOT CMAKE_VERSION VERSION_LESS 3.14)
   endif()
 else()
   set(HIGHWAY_LIBRARIES ${HIGHWAY_LDFLAGS})
+  set(HIGHWAY_DEFINITIONS HWY_SHARED_DEFINE)
 endif()
 if(NOT HIGHWAY_FOUND)
   message(WARNING "google/highway is neither installed nor to be fetched: the pipeline is built "

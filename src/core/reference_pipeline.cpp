@@ -17,8 +17,8 @@ double ms_since(Clock::time_point start) {
 }  // namespace
 
 const Taps& ReferencePipeline::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
-                              const StereoRectification& rectification,
-                              const Parameters& parameters, int num_threads) {
+                                       const StereoRectification& rectification,
+                                       const Parameters& parameters, int num_threads) {
   Taps& t = taps_;
   const cv::Size size = rectification.geometry.image_size;
   const auto timed = [&](Stage stage, const std::function<void(cv::Range)>& work) {

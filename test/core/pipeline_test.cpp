@@ -1,229 +1,181 @@
-#include "fpga_stereo/core/reference_pipeline.hpp"
+// The pipeline on every target of this machine against the reference.
+#include "fpga_stereo/core/pipeline.hpp"
 
 #include <gtest/gtest.h>
 
+#include "core/pipeline_rig.hpp"
+#include "fpga_stereo/core/target.hpp"
 #include "support/compare.hpp"
-#include "support/images.hpp"
 #include "support/naive.hpp"
 
 namespace fpga_stereo::test {
 namespace {
 
-StereoRectification unmoved(cv::Size size, int min_disparity = 0) {
-  StereoGeometry geometry;
-  geometry.image_size = size;
-  return no_rectification(geometry, min_disparity);
+class Pipelines : public ::testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override { ASSERT_TRUE(choose_target(GetParam())); }
+  void TearDown() override { ASSERT_TRUE(choose_target(targets().front())); }
+
+  ::testing::AssertionResult equal(const cv::Mat1b& left, const cv::Mat1b& right,
+                                   const StereoRectification& r, const Case& c, int threads = 1) {
+    const Taps& expected = reference_.process(left, right, r, c.parameters, 1);
+    const DisparityFrame& actual = pipeline_.process(left, right, r, c.parameters, threads);
+    valid_ += cv::countNonZero(actual.disparity != kNoDisparity);
+    auto result = same("left", expected.left, actual.left, c);
+    if (result) result = same("right", expected.right, actual.right, c);
+    if (result) result = same("disparity", expected.disparity, actual.disparity, c);
+    return result;
+  }
+  int valid_ = 0;  // disparities that were compared
+
+ private:
+  ReferencePipeline reference_;
+  Pipeline pipeline_;  // of all sizes and settings in turns: nothing of a frame before may be seen
+};
+
+TEST_P(Pipelines, EverySizeFromOnePixel) {
+  unsigned seed = 2000;
+  for (const cv::Size size : {cv::Size(1, 1),
+                              {1, 9},
+                              {9, 1},
+                              {7, 4},
+                              {8, 8},
+                              {15, 30},
+                              {16, 3},
+                              {17, 41},
+                              {31, 17},
+                              {33, 26},
+                              {63, 12},
+                              {64, 33},
+                              {65, 20},
+                              {100, 11},
+                              {127, 9},
+                              {129, 40},
+                              {320, 24}}) {
+    Parameters p;
+    p.disparity_range = 32;
+    p.correlation_window_size = 7;
+    p.speckle_size = 12;
+    const SlantedPair pair = textured(size, ++seed);
+    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, seed), {p, seed, "textured"}));
+    ASSERT_TRUE(equal(padded(pair.left, 1), padded(pair.right, 2), unmoved(size),
+                      {p, seed, "at another pitch"}, 2));
+  }
+  EXPECT_GT(valid_, 1000);
 }
 
-/// Meshes that move every pixel a little.
-StereoRectification bent(cv::Size size, unsigned seed) {
-  StereoRectification r = unmoved(size);
-  cv::RNG rng(seed);
-  rng.fill(r.left.mesh.nodes, cv::RNG::UNIFORM, -300, 300);
-  rng.fill(r.right.mesh.nodes, cv::RNG::UNIFORM, -300, 300);
-  return r;
+TEST_P(Pipelines, EveryRange) {
+  const cv::Size size(150, 12);
+  const SlantedPair pair = textured(size, 8);
+  for (const int range : {8, 12, 16, 20, 28, 32, 36, 60, 64, 68, 96, 100, 128, 160, 252, 256}) {
+    Parameters p;
+    p.disparity_range = range;
+    p.speckle_size = 20;
+    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, 8), {p, 8, "range"}, 3));
+  }
+  EXPECT_GT(valid_, 1000);
 }
 
-Parameters small_search() {
-  Parameters p;
-  p.disparity_range = 16;
-  p.correlation_window_size = 7;
-  p.census_window_size = 7;
-  p.speckle_size = 12;
-  return p;
-}
-
-/// Every stage by the naive model.
-Taps naive_taps(const cv::Mat1b& left, const cv::Mat1b& right, const StereoRectification& r,
-                const Parameters& p) {
-  Taps t;
-  t.left = naive::rectify(left, r.left.mesh);
-  t.right = naive::rectify(right, r.right.mesh);
-  t.left_bits = naive::census(t.left, p);
-  t.right_bits = naive::census(t.right, p);
-  t.selection = naive::select(naive::match(t.left_bits, t.right_bits, p));
-  t.kept = naive::check(t.selection, p);
-  t.refined = naive::subpixel(t.selection, t.kept, p);
-  t.disparity = naive::spike(t.refined, p);
-  return t;
-}
-
-/// Stage by stage, so that the first stage that differs is named.
-::testing::AssertionResult same(const Taps& expected, const Taps& actual, const Case& c) {
-  auto result = test::same("rectify left", expected.left, actual.left, c);
-  if (result) result = test::same("rectify right", expected.right, actual.right, c);
-  if (result) result = test::same("census left", expected.left_bits, actual.left_bits, c);
-  if (result) result = test::same("census right", expected.right_bits, actual.right_bits, c);
-  if (result) result = test::same("select", expected.selection, actual.selection, c);
-  if (result) result = test::same("check", expected.kept, actual.kept, c);
-  if (result) result = test::same("subpixel", expected.refined, actual.refined, c);
-  if (result) result = test::same("spike", expected.disparity, actual.disparity, c);
-  return result;
-}
-
-/// A pair with structure: a slanted plane, so that some pixels pass the checks.
-SlantedPair textured(cv::Size size, unsigned seed) {
-  return slanted_pair(size, Texture(seed), 3.2, 0.05);
-}
-
-TEST(Pipeline, StageNamesInDataOrder) {
-  const std::vector<std::string> expected{"rectify", "census",   "match", "select",
-                                          "check",   "subpixel", "spike"};
-  EXPECT_EQ(std::vector<std::string>(kStageNames.begin(), kStageNames.end()), expected);
-  EXPECT_STREQ(kStageNames[static_cast<std::size_t>(Stage::kMatch)], "match");
-}
-
-TEST(Pipeline, EqualsTheNaiveModel) {
-  unsigned seed = 1500;
-  for (const cv::Size size : {cv::Size(1, 1), {1, 9}, {9, 1}, {5, 4}, {31, 17}, {64, 33}}) {
-    for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-      Parameters p = small_search();
-      p.census_pattern = pattern;
-      const SlantedPair pair = textured(size, ++seed);
-      const StereoRectification r = bent(size, seed);
-      const Taps expected = naive_taps(pair.left, pair.right, r, p);
-      ReferencePipeline pipeline;
-      const Case c{p, seed, "textured"};
-      ASSERT_TRUE(same(expected, pipeline.process(pair.left, pair.right, r, p, 1), c));
-      const cv::Mat1b left = padded(pair.left, 1), right = padded(pair.right, 2);
-      ASSERT_TRUE(same(expected, pipeline.process(left, right, r, p, 2), c)) << "padded";
+TEST_P(Pipelines, EveryWindowAndPattern) {
+  const cv::Size size(90, 30);
+  const SlantedPair pair = textured(size, 9);
+  for (int correlation = 5; correlation <= 21; correlation += 2) {
+    for (int census = 5; census <= 11; census += 2) {
+      for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
+        Parameters p;
+        p.disparity_range = 24;
+        p.correlation_window_size = correlation;
+        p.census_window_size = census;
+        p.census_pattern = pattern;
+        p.speckle_size = 20;
+        ASSERT_TRUE(equal(pair.left, pair.right, unmoved(size), {p, 9, "windows"}, 2));
+      }
     }
   }
+  EXPECT_GT(valid_, 1000);
 }
 
-TEST(Pipeline, DefaultsEqualTheNaiveModel) {
-  const cv::Size size(96, 24);
-  const Parameters p;
-  const SlantedPair pair = textured(size, 3);
-  ReferencePipeline pipeline;
-  const StereoRectification r = unmoved(size);
-  const Taps& taps = pipeline.process(pair.left, pair.right, r, p, 2);
-  EXPECT_TRUE(same(naive_taps(pair.left, pair.right, r, p), taps, {p, 3, "textured"}));
-  EXPECT_GT(cv::countNonZero(taps.disparity != kNoDisparity), 500) << "something to compare";
-}
-
-TEST(Pipeline, EverySwitch) {
-  const cv::Size size(48, 20);
-  const SlantedPair pair = textured(size, 4);
-  const StereoRectification r = unmoved(size);
-  ReferencePipeline pipeline;
+TEST_P(Pipelines, EverySwitchAndThreshold) {
+  const cv::Size size(80, 40);
+  const SlantedPair pair = textured(size, 10);
   for (int switches = 0; switches < 16; ++switches) {
-    Parameters p = small_search();
-    p.left_right_check = (switches & 1) != 0;
-    p.uniqueness_check = (switches & 2) != 0;
-    p.subpixel = (switches & 4) != 0;
-    p.speckle_size = (switches & 8) != 0 ? 30 : 0;
-    const Taps& taps = pipeline.process(pair.left, pair.right, r, p, 1);
-    ASSERT_TRUE(same(naive_taps(pair.left, pair.right, r, p), taps, {p, 4, "switches"}));
-  }
-}
-
-TEST(Pipeline, ExtremeImages) {
-  const cv::Size size(30, 14);
-  const Parameters p = small_search();
-  const StereoRectification r = unmoved(size);
-  ReferencePipeline pipeline;
-  for (const NamedImage& left : extreme_images(size, 5)) {
-    for (const NamedImage& right : extreme_images(size, 6)) {
-      const Taps& taps = pipeline.process(left.image, right.image, r, p, 3);
-      ASSERT_TRUE(same(naive_taps(left.image, right.image, r, p), taps,
-                       {p, 5, left.name + " / " + right.name}));
+    for (const double ratio : {0.0, 12.5, 100.0}) {
+      Parameters p;
+      p.disparity_range = 32;
+      p.left_right_check = (switches & 1) != 0;
+      p.uniqueness_check = (switches & 2) != 0;
+      p.subpixel = (switches & 4) != 0;
+      p.speckle_size = (switches & 8) != 0 ? 30 : 0;
+      p.uniqueness_ratio = ratio;
+      p.disp12MaxDiff = switches % 3 * 2;
+      p.speckle_range = switches % 4 * 10;
+      ASSERT_TRUE(equal(pair.left, pair.right, unmoved(size), {p, 10, "switches"}));
     }
   }
 }
 
-TEST(Pipeline, ThreadsAndRepetitionChangeNothing) {
-  const cv::Size size(61, 37);
+TEST_P(Pipelines, ExtremeImages) {
+  const cv::Size size(70, 26);
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
     Parameters p;
     p.disparity_range = 32;
+    p.correlation_window_size = 21;  // the largest sums
     p.census_pattern = pattern;
-    p.speckle_size = 50;
-    const SlantedPair pair = textured(size, 7);
-    const StereoRectification r = bent(size, 7);
-    ReferencePipeline one, many;
-    const Taps& expected = one.process(pair.left, pair.right, r, p, 1);
-    for (const int threads : {1, 2, 3, 7, 37, 200}) {
-      for (int repetition = 0; repetition < 2; ++repetition) {
-        const Case c{p, 7, std::to_string(threads) + " threads"};
-        ASSERT_TRUE(same(expected, many.process(pair.left, pair.right, r, p, threads), c));
+    p.speckle_size = 5;
+    for (const NamedImage& left : extreme_images(size, 5)) {
+      for (const NamedImage& right : extreme_images(size, 6)) {
+        const Case c{p, 5, left.name + " / " + right.name};
+        ASSERT_TRUE(equal(left.image, right.image, unmoved(size), c, 2));
       }
     }
   }
 }
 
-TEST(Pipeline, NothingIsLeftOfAnEarlierFrame) {
-  ReferencePipeline used;
-  unsigned seed = 1600;
-  for (const cv::Size size : {cv::Size(40, 30), {17, 41}, {1, 1}, {50, 12}}) {
-    for (const int range : {32, 8}) {
-      Parameters p = small_search();
-      p.disparity_range = range;
-      p.census_pattern = range == 8 ? CensusPattern::kFull : CensusPattern::kSparse;
-      const SlantedPair pair = textured(size, ++seed);
-      const StereoRectification r = unmoved(size);
-      ReferencePipeline fresh;
-      const Taps& expected = fresh.process(pair.left, pair.right, r, p, 2);
-      ASSERT_TRUE(same(expected, used.process(pair.left, pair.right, r, p, 2), {p, seed, "used"}));
+TEST_P(Pipelines, MeshesThatLeaveTheImage) {
+  const cv::Size size(100, 40);
+  const SlantedPair pair = textured(size, 11);
+  Parameters p;
+  p.disparity_range = 16;
+  for (const int most : {0, 128, 2000, 32767}) {
+    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, 11, most + 1), {p, 11, "mesh"}));
+  }
+}
+
+TEST_P(Pipelines, ThreadsChangeNothing) {
+  const cv::Size size(61, 37);
+  const SlantedPair pair = textured(size, 7);
+  Parameters p;
+  p.disparity_range = 32;
+  p.speckle_size = 50;
+  for (const int threads : {1, 2, 3, 7, 37, 200}) {
+    const Case c{p, 7, std::to_string(threads) + " threads"};
+    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, 7), c, threads));
+  }
+}
+
+TEST_P(Pipelines, ColorsAreRectifiedAsTheReferenceDoes) {
+  for (const cv::Size size : {cv::Size(1, 1), {5, 7}, {64, 20}, {101, 33}}) {
+    for (const int most : {100, 3000}) {
+      const cv::Mat3b raw = random_color_image(size, 12);
+      const StereoRectification r = bent(size, 12, most);
+      cv::Mat expected, actual;
+      rectify(raw, r.left.mesh, cv::Range::all(), expected);
+      rectify_in_bands(padded(raw, 3), r.left.mesh, 2, actual);
+      ASSERT_TRUE(same("color", expected, actual)) << size << " " << most;
     }
   }
 }
 
-TEST(Pipeline, LeavesItsInputsAlone) {
-  const SlantedPair pair = textured({40, 30}, 8);
-  const cv::Mat1b left = pair.left.clone(), right = pair.right.clone();
-  ReferencePipeline pipeline;
-  pipeline.process(left, right, unmoved(left.size()), small_search(), 2);
-  EXPECT_TRUE(test::same("left", pair.left, left));
-  EXPECT_TRUE(test::same("right", pair.right, right));
+TEST_P(Pipelines, TimesOfEveryStage) {
+  const cv::Size size(100, 40);
+  const SlantedPair pair = textured(size, 13);
+  Pipeline pipeline;
+  const DisparityFrame& made = pipeline.process(pair.left, pair.right, unmoved(size), {}, 2);
+  for (std::size_t i = 0; i < made.ms.size(); ++i) EXPECT_GT(made.ms[i], 0) << kStageNames[i];
 }
 
-// right(x) of one pair is right(x + m) of the other: m more disparity, found from m on.
-TEST(Pipeline, MinimumDisparityFindsTheSame) {
-  const cv::Size size(70, 24);
-  for (const int minimum : {-9, 5, 20}) {
-    Parameters p = small_search();
-    const SlantedPair pair = textured(size, 9);
-    cv::Mat1b near(size, std::uint8_t{0}), visible(size, std::uint8_t{0});
-    for (int x = 0; x < size.width; ++x) {
-      if (x + minimum < 0 || x + minimum >= size.width) continue;
-      pair.right.col(x + minimum).copyTo(near.col(x));
-      pair.right.col(x + minimum).copyTo(visible.col(x + minimum));
-    }
-    ReferencePipeline plain, shifted;
-    const Taps& expected = plain.process(pair.left, visible, unmoved(size), p, 1);
-    p.min_disparity = minimum;
-    const Taps& taps = shifted.process(pair.left, near, unmoved(size, minimum), p, 2);
-    ASSERT_TRUE(same(expected, taps, {p, 9, "min_disparity"}));
-    EXPECT_GT(cv::countNonZero(taps.disparity != kNoDisparity), 300);
-  }
-}
-
-TEST(Pipeline, FindsThePlane) {
-  const cv::Size size(120, 60);
-  const Parameters p = small_search();
-  const SlantedPair pair = textured(size, 10);  // 3.2 + 0.05 x
-  ReferencePipeline pipeline;
-  const Taps& taps = pipeline.process(pair.left, pair.right, unmoved(size), p, 2);
-  int close = 0;
-  int valid = 0;
-  for (int y = 10; y < 50; ++y) {
-    for (int x = 30; x < 110; ++x) {
-      if (taps.disparity(y, x) == kNoDisparity) continue;
-      ++valid;
-      if (std::abs(taps.disparity(y, x) / 32.0 - (3.2 + 0.05 * x)) < 0.5) ++close;
-    }
-  }
-  EXPECT_GT(valid, 2000);
-  EXPECT_GT(close, valid * 98 / 100);
-}
-
-TEST(Pipeline, TimesOfEveryStage) {
-  ReferencePipeline pipeline;
-  const SlantedPair pair = textured({40, 30}, 11);
-  const Taps& taps = pipeline.process(pair.left, pair.right, unmoved({40, 30}), small_search(), 2);
-  for (const double ms : taps.ms) EXPECT_GT(ms, 0);
-}
+std::string name_of(const ::testing::TestParamInfo<std::string>& info) { return info.param; }
+INSTANTIATE_TEST_SUITE_P(Targets, Pipelines, ::testing::ValuesIn(targets()), name_of);
 
 TEST(RectifyInBands, EqualsTheStage) {
   const cv::Mat3b raw = random_color_image({33, 26}, 12);

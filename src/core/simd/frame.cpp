@@ -13,8 +13,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMostRadius = 5;         // of a census window, px
-constexpr int kTimedRows = 16;         // one row in so many says how stages share the time
+constexpr int kMostRadius = 5;          // of a census window, px
+constexpr int kTimedRows = 16;          // one row in so many says how stages share the time
 constexpr std::uint8_t kOutside = 255;  // smaller than no pixel: bit 0
 
 double ms_since(Clock::time_point start) {
@@ -127,7 +127,8 @@ void Frame::disparity_rows(const Parameters& p, cv::Range rows, Band& band) {
                      rows.start);
   for (int y = rows.start; y < rows.end; ++y) {
     Watch watch(band.ms, y % kTimedRows == 0);
-    const SelectedRow& s = band.matcher.next(watch.on() ? &time_of(band.ms, Stage::kSelect) : nullptr);
+    const SelectedRow& s =
+        band.matcher.next(watch.on() ? &time_of(band.ms, Stage::kSelect) : nullptr);
     watch.lap(Stage::kMatch);
     check_row(s, width, p.left_right_check, p.disp12MaxDiff, p.uniqueness_check, factor, kept);
     watch.lap(Stage::kCheck);

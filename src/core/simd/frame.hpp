@@ -32,7 +32,7 @@ class Frame {
   void share_time(double wall, StageTimes& ms) const;
   void disparity_rows(const Parameters& p, cv::Range rows, Band& band);
 
-  std::vector<cv::Point> neighbours_;     // of a census window
+  std::vector<cv::Point> neighbours_;      // of a census window
   std::vector<std::ptrdiff_t> distances_;  // to them, bytes
   Camera left_, right_;
   cv::Mat1w padded_disparity_, disparity_;

@@ -45,7 +45,8 @@ HWY_INLINE Taps taps(const cv::Point* columns, int x, int y) {
 HWY_INLINE V32 bilinear(const Taps& t, V32 a, V32 b, V32 c, V32 e) {
   const auto upper = hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), t.wx));
   const auto lower = hn::Add(hn::ShiftLeft<kSourceShift>(c), hn::Mul(hn::Sub(e, c), t.wx));
-  const auto sum = hn::Add(hn::ShiftLeft<kSourceShift>(upper), hn::Mul(hn::Sub(lower, upper), t.wy));
+  const auto sum =
+      hn::Add(hn::ShiftLeft<kSourceShift>(upper), hn::Mul(hn::Sub(lower, upper), t.wy));
   const auto half = hn::Set(D32(), kSourceScale * kSourceScale / 2);
   return hn::ShiftRight<2 * kSourceShift>(hn::Add(sum, half));
 }
@@ -76,16 +77,15 @@ HWY_INLINE void rectify_channels(const cv::Mat& raw, const MeshRow& row, int y, 
     const auto lower = hn::Add(upper, pitch);
     const auto a = hn::GatherOffset(d, bytes, upper), c = hn::GatherOffset(d, bytes, lower);
     if constexpr (kChannels == 1) {
-      const auto mean =
-          bilinear(t, hn::And(a, byte), hn::And(hn::ShiftRight<8>(a), byte), hn::And(c, byte),
-                   hn::And(hn::ShiftRight<8>(c), byte));
+      const auto mean = bilinear(t, hn::And(a, byte), hn::And(hn::ShiftRight<8>(a), byte),
+                                 hn::And(c, byte), hn::And(hn::ShiftRight<8>(c), byte));
       hn::StoreU(hn::DemoteTo(d8, mean), d8, out + x);
     } else {
       const auto three = hn::Set(d, 3);
       const auto b = hn::GatherOffset(d, bytes, hn::Add(upper, three));
       const auto e = hn::GatherOffset(d, bytes, hn::Add(lower, three));
-      const auto blue = bilinear(t, hn::And(a, byte), hn::And(b, byte), hn::And(c, byte),
-                                 hn::And(e, byte));
+      const auto blue =
+          bilinear(t, hn::And(a, byte), hn::And(b, byte), hn::And(c, byte), hn::And(e, byte));
       const auto channel = [&](auto shifted) {
         return bilinear(t, hn::And(shifted(a), byte), hn::And(shifted(b), byte),
                         hn::And(shifted(c), byte), hn::And(shifted(e), byte));

@@ -43,8 +43,7 @@ void check_row(const SelectedRow& s, int width, bool left_right, int most_differ
       const auto four = hn::GatherOffset(d, reinterpret_cast<const std::int32_t*>(s.right_winner),
                                          hn::IfThenElseZero(inside, partner));
       const auto back = hn::And(four, hn::Set(d, 0xFF));
-      const auto agrees =
-          hn::Lt(hn::Abs(hn::Sub(back, winner)), hn::Set(d, most_difference + 1));
+      const auto agrees = hn::Lt(hn::Abs(hn::Sub(back, winner)), hn::Set(d, most_difference + 1));
       keep = hn::IfThenElseZero(hn::And(inside, agrees), keep);
     }
     if (uniqueness) {

@@ -34,9 +34,9 @@ class Regions {
   int root(int run);
   void join(int a, int b);
 
-  Row rows_[2];                // the latest two
-  std::vector<Run> runs_;      // in raster order
-  std::vector<int> first_run_;  // of every row, and the end of all
+  Row rows_[2];                      // the latest two
+  std::vector<Run> runs_;            // in raster order
+  std::vector<int> first_run_;       // of every row, and the end of all
   std::vector<std::uint16_t> none_;  // the row above the image
 };
 

@@ -51,7 +51,10 @@ void RowMatcher::start(const CensusPlanes& left, const CensusPlanes& right, int 
   bytes_.create(2, width + kBorder);
   words_ = 0;
   bytes_ = 0;
-  selected_ = {bytes_[0], bytes_[1], words_[0], words_[1],
+  selected_ = {bytes_[0],
+               bytes_[1],
+               words_[0],
+               words_[1],
                {words_[2], words_[3], words_[4], words_[5], words_[6]}};
 
   for (int y = std::max(0, first_row - radius_); y < first_row + radius_; ++y) {

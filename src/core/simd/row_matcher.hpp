@@ -13,7 +13,7 @@ namespace fpga_stereo::simd {
 
 /// The census bits of an image: byte planes, row by row.
 struct CensusPlanes {
-  cv::Mat1b bytes;           // H x row bytes
+  cv::Mat1b bytes;  // H x row bytes
   int planes = 0;
   std::ptrdiff_t pitch = 0;  // bytes from plane to plane
   std::ptrdiff_t first = 0;  // of pixel 0, in a plane

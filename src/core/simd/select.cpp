@@ -18,7 +18,7 @@ using V16 = hn::Vec<D16>;
 using Block = hn::CappedTag<std::uint16_t, 8>;  // 128 bits
 using VBlock = hn::Vec<Block>;
 
-constexpr int kPixels = 8;                    // that are worked on at a time
+constexpr int kPixels = 8;  // that are worked on at a time
 constexpr std::uint16_t kMost = 0xFFFF;
 
 /// The smallest lane of every position in a block.
@@ -63,7 +63,8 @@ void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
   const D16 d;
   const Block block;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const std::uint16_t* disparities = &tables.disparities[static_cast<std::size_t>(256 - sums.padded)];
+  const std::uint16_t* disparities =
+      &tables.disparities[static_cast<std::size_t>(256 - sums.padded)];
   const auto most = hn::Set(d, kMost);
   for (int x = x0; x < x1; x += kPixels) {
     std::array<VBlock, kPixels> blocks;
