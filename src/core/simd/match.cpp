@@ -77,23 +77,24 @@ HWY_INLINE void change(V8 entering, V8 leaving, std::int16_t* columns) {
 #endif
 }
 
-template <std::size_t kPlanes>
+template <std::size_t kPlanes, int kGroups>
 HWY_INLINE void hamming_planes(const HammingRow& row, int x0, int x1, std::uint8_t* slot,
                                std::int16_t* columns) {
   const D8 d;
+  const int padded = kGroups > 0 ? kGroups * kLaneGroup : row.padded;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto half = hn::Set(d, static_cast<std::uint8_t>(row.half));
   const auto number = hn::Iota(d, std::uint8_t{0});
-  const int outside = row.padded - row.range;  // the first lanes
+  const int outside = padded - row.range;  // the first lanes
   for (int x = x0; x < x1; ++x) {
     std::array<V8, kPlanes> left;
     for (std::size_t k = 0; k < kPlanes; ++k) {
       left[k] = hn::Set(d, row.left[static_cast<std::ptrdiff_t>(k) * row.plane_pitch + x]);
     }
-    const std::uint8_t* right = row.right + x - (row.padded - 1);
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * row.padded;
-    const int unseen = row.padded - 1 - x;  // the first lanes, if any
-    for (int i = 0; i < row.padded; i += lanes) {
+    const std::uint8_t* right = row.right + x - (padded - 1);
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * padded;
+    const int unseen = padded - 1 - x;  // the first lanes, if any
+    for (int i = 0; i < padded; i += lanes) {
       std::array<V8, kPlanes> differing;
       for (std::size_t k = 0; k < kPlanes; ++k) {
         const std::uint8_t* plane = right + static_cast<std::ptrdiff_t>(k) * row.plane_pitch;
@@ -114,19 +115,34 @@ HWY_INLINE void hamming_planes(const HammingRow& row, int x0, int x1, std::uint8
   }
 }
 
+template <std::size_t kPlanes>
+HWY_INLINE void hamming_groups(const HammingRow& row, int x0, int x1, std::uint8_t* slot,
+                               std::int16_t* columns) {
+  switch (row.padded / kLaneGroup) {
+    case 1:
+      return hamming_planes<kPlanes, 1>(row, x0, x1, slot, columns);
+    case 2:
+      return hamming_planes<kPlanes, 2>(row, x0, x1, slot, columns);
+    case 4:
+      return hamming_planes<kPlanes, 4>(row, x0, x1, slot, columns);
+    default:
+      return hamming_planes<kPlanes, 0>(row, x0, x1, slot, columns);
+  }
+}
+
 void hamming(const HammingRow& row, int x0, int x1, std::uint8_t* slot, std::int16_t* columns) {
   // The number of planes that a census of this window and pattern has.
   switch (row.planes) {
     case 1:
-      return hamming_planes<1>(row, x0, x1, slot, columns);
+      return hamming_groups<1>(row, x0, x1, slot, columns);
     case 3:
-      return hamming_planes<3>(row, x0, x1, slot, columns);
+      return hamming_groups<3>(row, x0, x1, slot, columns);
     case 6:
-      return hamming_planes<6>(row, x0, x1, slot, columns);
+      return hamming_groups<6>(row, x0, x1, slot, columns);
     case 10:
-      return hamming_planes<10>(row, x0, x1, slot, columns);
+      return hamming_groups<10>(row, x0, x1, slot, columns);
     default:
-      return hamming_planes<15>(row, x0, x1, slot, columns);
+      return hamming_groups<15>(row, x0, x1, slot, columns);
   }
 }
 
@@ -140,21 +156,38 @@ void leave(int padded, int x0, int x1, std::uint8_t* slot, std::int16_t* columns
   }
 }
 
-void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing& sums) {
+template <int kGroups>
+HWY_INLINE void box_groups(const std::int16_t* columns, int radius, int x0, int x1,
+                           const SumRing& sums) {
   const D16 d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto* unsigned_columns = reinterpret_cast<const std::uint16_t*>(columns);
+  const int padded = kGroups > 0 ? kGroups * kLaneGroup : sums.padded;
+  const auto* from = reinterpret_cast<const std::uint16_t*>(columns);
+  const std::uint16_t* entering = from + static_cast<std::ptrdiff_t>(x0 + radius) * padded;
+  const std::uint16_t* leaving = from + static_cast<std::ptrdiff_t>(x0 - radius - 1) * padded;
+  const std::uint16_t* before = sums.row(x0 - 1);
   for (int x = x0; x < x1; ++x) {
-    const std::uint16_t* before = sums.row(x - 1);
-    const std::uint16_t* entering =
-        unsigned_columns + static_cast<std::ptrdiff_t>(x + radius) * sums.padded;
-    const std::uint16_t* leaving =
-        unsigned_columns + static_cast<std::ptrdiff_t>(x - radius - 1) * sums.padded;
     std::uint16_t* out = sums.row(x);
-    for (int i = 0; i < sums.padded; i += lanes) {
+    for (int i = 0; i < padded; i += lanes) {
       const auto change = hn::Sub(hn::LoadU(d, entering + i), hn::LoadU(d, leaving + i));
       hn::StoreU(hn::Add(hn::LoadU(d, before + i), change), d, out + i);
     }
+    before = out;
+    entering += padded;
+    leaving += padded;
+  }
+}
+
+void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing& sums) {
+  switch (sums.padded / kLaneGroup) {
+    case 1:
+      return box_groups<1>(columns, radius, x0, x1, sums);
+    case 2:
+      return box_groups<2>(columns, radius, x0, x1, sums);
+    case 4:
+      return box_groups<4>(columns, radius, x0, x1, sums);
+    default:
+      return box_groups<0>(columns, radius, x0, x1, sums);
   }
 }
 

@@ -41,14 +41,85 @@ HWY_INLINE Taps taps(const cv::Point* columns, int x, int y) {
           hn::And(source_x, fraction), hn::And(source_y, fraction)};
 }
 
-/// The upper and the lower two pixels of one channel -> their weighted mean, rounded half up.
-HWY_INLINE V32 bilinear(const Taps& t, V32 a, V32 b, V32 c, V32 e) {
-  const auto upper = hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), t.wx));
-  const auto lower = hn::Add(hn::ShiftLeft<kSourceShift>(c), hn::Mul(hn::Sub(e, c), t.wx));
+/// Two pixels of the upper row and two of the lower one, in 1/32 -> their weighted mean, rounded
+/// half up.
+HWY_INLINE V32 mean_of_rows(const Taps& t, V32 upper, V32 lower) {
   const auto sum =
       hn::Add(hn::ShiftLeft<kSourceShift>(upper), hn::Mul(hn::Sub(lower, upper), t.wy));
   const auto half = hn::Set(D32(), kSourceScale * kSourceScale / 2);
   return hn::ShiftRight<2 * kSourceShift>(hn::Add(sum, half));
+}
+
+/// The same of one channel, from the four pixels.
+HWY_INLINE V32 bilinear(const Taps& t, V32 a, V32 b, V32 c, V32 e) {
+  const auto upper = hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), t.wx));
+  const auto lower = hn::Add(hn::ShiftLeft<kSourceShift>(c), hn::Mul(hn::Sub(e, c), t.wx));
+  return mean_of_rows(t, upper, lower);
+}
+
+/// The pixels of a grey image. Maps are smooth: all sources mostly lie in 16 columns of three rows,
+/// and then rows are shuffled; gathers are for the others.
+HWY_INLINE V32 grey(const Taps& t, const cv::Mat& raw) {
+  const D32 d;
+  const hn::Rebind<std::int16_t, D32> d16;
+  const hn::Full128<std::uint8_t> bytes;
+  const auto at_first = hn::GetLane(t.left), at_last = hn::ExtractLane(t.left, hn::Lanes(d) - 1);
+  const auto row_first = hn::GetLane(t.top), row_last = hn::ExtractLane(t.top, hn::Lanes(d) - 1);
+  const int left = std::min(at_first, at_last), top = std::min(row_first, row_last);
+  const auto column = hn::Sub(t.left, hn::Set(d, left)), row = hn::Sub(t.top, hn::Set(d, top));
+  const auto near =
+      hn::And(hn::Lt(hn::Or(column, row), hn::Set(d, 15)),
+              hn::And(hn::Gt(hn::Or(column, row), hn::Set(d, -1)), hn::Lt(row, hn::Set(d, 2))));
+  const bool room = left + 16 <= raw.cols && top + 3 <= raw.rows;
+  if (HWY_LIKELY(room && hn::AllTrue(d, near))) {
+    const auto index =
+        hn::DemoteTo(d16, hn::Add(hn::Mul(column, hn::Set(d, 0x0101)), hn::Set(d, 0x0100)));
+    const auto pairs_index = hn::BitCast(hn::Repartition<std::uint8_t, decltype(d16)>(), index);
+    const auto wx = hn::DemoteTo(d16, t.wx);
+    const auto second = hn::RebindMask(d16, hn::Eq(hn::DemoteTo(d16, row), hn::Set(d16, 1)));
+    const std::uint8_t* from = raw.ptr(top) + left;
+    const auto pitch = static_cast<std::ptrdiff_t>(raw.step[0]);
+    const auto mean = [&](std::ptrdiff_t y) {
+      const auto pixels = hn::LoadU(bytes, from + y * pitch);
+      const auto pairs = hn::BitCast(d16, hn::TableLookupBytes(pixels, pairs_index));
+      const auto a = hn::And(pairs, hn::Set(d16, 0xFF));
+      const auto b = hn::BitCast(
+          d16, hn::ShiftRight<8>(hn::BitCast(hn::RebindToUnsigned<decltype(d16)>(), pairs)));
+      return hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), wx));
+    };
+    const auto first = mean(0), middle = mean(1), last = mean(2);
+    return mean_of_rows(t, hn::PromoteTo(d, hn::IfThenElse(second, middle, first)),
+                        hn::PromoteTo(d, hn::IfThenElse(second, last, middle)));
+  }
+  const auto byte = hn::Set(d, 0xFF);
+  const auto pitch = hn::Set(d, static_cast<int>(raw.step[0]));
+  const auto upper = hn::Add(hn::Mul(t.top, pitch), t.left);
+  const auto* data = reinterpret_cast<const std::int32_t*>(raw.data);
+  const auto a = hn::GatherOffset(d, data, upper);
+  const auto c = hn::GatherOffset(d, data, hn::Add(upper, pitch));
+  return bilinear(t, hn::And(a, byte), hn::And(hn::ShiftRight<8>(a), byte), hn::And(c, byte),
+                  hn::And(hn::ShiftRight<8>(c), byte));
+}
+
+/// The pixels of a colour image, as blue, green and red bytes of words.
+HWY_INLINE V32 color(const Taps& t, const cv::Mat& raw) {
+  const D32 d;
+  const auto byte = hn::Set(d, 0xFF), three = hn::Set(d, 3);
+  const auto pitch = hn::Set(d, static_cast<int>(raw.step[0]));
+  const auto upper = hn::Add(hn::Mul(t.top, pitch), hn::Mul(t.left, three));
+  const auto lower = hn::Add(upper, pitch);
+  const auto* data = reinterpret_cast<const std::int32_t*>(raw.data);
+  const auto a = hn::GatherOffset(d, data, upper), c = hn::GatherOffset(d, data, lower);
+  const auto b = hn::GatherOffset(d, data, hn::Add(upper, three));
+  const auto e = hn::GatherOffset(d, data, hn::Add(lower, three));
+  const auto channel = [&](const auto& shifted) {
+    return bilinear(t, hn::And(shifted(a), byte), hn::And(shifted(b), byte),
+                    hn::And(shifted(c), byte), hn::And(shifted(e), byte));
+  };
+  const auto blue = channel([](V32 v) { return v; });
+  const auto green = channel([](V32 v) { return hn::ShiftRight<8>(v); });
+  const auto red = channel([](V32 v) { return hn::ShiftRight<16>(v); });
+  return hn::Or(hn::Or(blue, hn::ShiftLeft<8>(green)), hn::ShiftLeft<16>(red));
 }
 
 template <int kChannels>
@@ -57,11 +128,8 @@ HWY_INLINE void rectify_channels(const cv::Mat& raw, const MeshRow& row, int y, 
   const D32 d;
   const hn::Rebind<std::uint8_t, D32> d8;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto byte = hn::Set(d, 0xFF);
-  const auto pitch = hn::Set(d, static_cast<int>(raw.step[0]));
   // Four bytes are read at every pixel, so the last columns are left to the scalar twin.
   const auto end_left = hn::Set(d, raw.cols - 3), end_top = hn::Set(d, raw.rows - 1);
-  const auto* bytes = reinterpret_cast<const std::int32_t*>(raw.data);
   int x = 0;
   for (; x + lanes <= width; x += lanes) {
     const Taps t = taps(row.columns().data(), x, y);
@@ -72,29 +140,11 @@ HWY_INLINE void rectify_channels(const cv::Mat& raw, const MeshRow& row, int y, 
       rectify_pixels<kChannels>(raw, row, x, x + lanes, out);
       continue;
     }
-    const auto columns = kChannels == 1 ? t.left : hn::Add(hn::Add(t.left, t.left), t.left);
-    const auto upper = hn::Add(hn::Mul(t.top, pitch), columns);
-    const auto lower = hn::Add(upper, pitch);
-    const auto a = hn::GatherOffset(d, bytes, upper), c = hn::GatherOffset(d, bytes, lower);
     if constexpr (kChannels == 1) {
-      const auto mean = bilinear(t, hn::And(a, byte), hn::And(hn::ShiftRight<8>(a), byte),
-                                 hn::And(c, byte), hn::And(hn::ShiftRight<8>(c), byte));
-      hn::StoreU(hn::DemoteTo(d8, mean), d8, out + x);
+      hn::StoreU(hn::DemoteTo(d8, grey(t, raw)), d8, out + x);
     } else {
-      const auto three = hn::Set(d, 3);
-      const auto b = hn::GatherOffset(d, bytes, hn::Add(upper, three));
-      const auto e = hn::GatherOffset(d, bytes, hn::Add(lower, three));
-      const auto blue =
-          bilinear(t, hn::And(a, byte), hn::And(b, byte), hn::And(c, byte), hn::And(e, byte));
-      const auto channel = [&](auto shifted) {
-        return bilinear(t, hn::And(shifted(a), byte), hn::And(shifted(b), byte),
-                        hn::And(shifted(c), byte), hn::And(shifted(e), byte));
-      };
-      const auto green = channel([](V32 v) { return hn::ShiftRight<8>(v); });
-      const auto red = channel([](V32 v) { return hn::ShiftRight<16>(v); });
       std::array<std::int32_t, kMeshPitch> pixels;
-      hn::StoreU(hn::Or(hn::Or(blue, hn::ShiftLeft<8>(green)), hn::ShiftLeft<16>(red)), d,
-                 pixels.data());
+      hn::StoreU(color(t, raw), d, pixels.data());
       for (int i = 0; i < lanes; ++i) {
         std::memcpy(out + 3 * (x + i), &pixels[static_cast<std::size_t>(i)], 3);
       }

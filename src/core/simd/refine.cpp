@@ -16,7 +16,9 @@ namespace fpga_stereo::simd::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D32 = hn::CappedTag<std::int32_t, 16>;
+constexpr std::size_t kMost = 16;  // pixels at a time
+
+using D32 = hn::CappedTag<std::int32_t, kMost>;
 using V32 = hn::Vec<D32>;
 using From8 = hn::Rebind<std::uint8_t, D32>;
 using From16 = hn::Rebind<std::uint16_t, D32>;
@@ -36,14 +38,16 @@ void check_row(const SelectedRow& s, int width, bool left_right, int most_differ
   for (int x = 0; x < width; x += lanes) {
     auto keep = one;
     if (left_right) {
+      // Plain loads: gathers are no faster.
+      std::array<std::uint8_t, kMost> partners;
+      for (int i = 0; i < lanes; ++i) {
+        partners[static_cast<std::size_t>(i)] =
+            s.right_winner[std::max(x + i - s.winner[x + i], 0)];
+      }
       const auto winner = load(s.winner + x);
-      const auto partner = hn::Sub(hn::Iota(d, x), winner);
-      const auto inside = hn::Gt(partner, hn::Set(d, -1));
-      // Four bytes are read where one is wanted.
-      const auto four = hn::GatherOffset(d, reinterpret_cast<const std::int32_t*>(s.right_winner),
-                                         hn::IfThenElseZero(inside, partner));
-      const auto back = hn::And(four, hn::Set(d, 0xFF));
-      const auto agrees = hn::Lt(hn::Abs(hn::Sub(back, winner)), hn::Set(d, most_difference + 1));
+      const auto inside = hn::Gt(hn::Sub(hn::Iota(d, x), winner), hn::Set(d, -1));
+      const auto difference = hn::Abs(hn::Sub(load(partners.data()), winner));
+      const auto agrees = hn::Lt(difference, hn::Set(d, most_difference + 1));
       keep = hn::IfThenElseZero(hn::And(inside, agrees), keep);
     }
     if (uniqueness) {

@@ -32,17 +32,17 @@ HWY_INLINE VBlock fold(D /*d*/, hn::Vec<D> v) {
   }
 }
 
-/// Lanes of a and b in turns, each the smaller of two.
-HWY_INLINE VBlock pair(VBlock a, VBlock b) {
-  const Block d;
+/// Lanes of a and b in turns, each the smaller of two; in every block.
+HWY_INLINE V16 pair(V16 a, V16 b) {
+  const D16 d;
   return hn::Min(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
 }
 
-/// Lane k is the smallest lane of blocks[k].
-HWY_INLINE VBlock smallest(const std::array<VBlock, kPixels>& blocks) {
-  const VBlock even = pair(pair(blocks[0], blocks[4]), pair(blocks[2], blocks[6]));
-  const VBlock odd = pair(pair(blocks[1], blocks[5]), pair(blocks[3], blocks[7]));
-  return pair(even, odd);
+/// Lane k is the smallest lane of pixels[k].
+HWY_INLINE VBlock smallest(const std::array<V16, kPixels>& pixels) {
+  const V16 even = pair(pair(pixels[0], pixels[4]), pair(pixels[2], pixels[6]));
+  const V16 odd = pair(pair(pixels[1], pixels[5]), pair(pixels[3], pixels[7]));
+  return fold(D16(), pair(even, odd));
 }
 
 /// The disparities of lanes, and where a winner's neighbours are, as vectors to load.
@@ -58,72 +58,100 @@ struct Tables {
   }
 };
 
-void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
+template <int kGroups>
+HWY_INLINE void select_left_groups(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
   static const Tables tables;
   const D16 d;
   const Block block;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const std::uint16_t* disparities =
-      &tables.disparities[static_cast<std::size_t>(256 - sums.padded)];
+  const int padded = kGroups > 0 ? kGroups * kLaneGroup : sums.padded;
+  const std::uint16_t* disparities = &tables.disparities[static_cast<std::size_t>(256 - padded)];
   const auto most = hn::Set(d, kMost);
   for (int x = x0; x < x1; x += kPixels) {
-    std::array<VBlock, kPixels> blocks;
+    std::array<V16, kPixels> pixels;
     for (int k = 0; k < kPixels; ++k) {
       const std::uint16_t* s = sums.row(x + k);
       V16 least = hn::LoadU(d, s);
-      for (int i = lanes; i < sums.padded; i += lanes) least = hn::Min(least, hn::LoadU(d, s + i));
-      blocks[static_cast<std::size_t>(k)] = fold(d, least);
+      for (int i = lanes; i < padded; i += lanes) least = hn::Min(least, hn::LoadU(d, s + i));
+      pixels[static_cast<std::size_t>(k)] = least;
     }
-    hn::StoreU(smallest(blocks), block, out.winner_sum + x);
+    hn::StoreU(smallest(pixels), block, out.winner_sum + x);
 
     // The lowest of the disparities that have this sum.
     for (int k = 0; k < kPixels; ++k) {
       const std::uint16_t* s = sums.row(x + k);
       const auto sum = hn::Set(d, out.winner_sum[x + k]);
       V16 least = most;
-      for (int i = 0; i < sums.padded; i += lanes) {
+      for (int i = 0; i < padded; i += lanes) {
         const auto wins = hn::Eq(hn::LoadU(d, s + i), sum);
         least = hn::Min(least, hn::IfThenElse(wins, hn::LoadU(d, disparities + i), most));
       }
-      blocks[static_cast<std::size_t>(k)] = fold(d, least);
+      pixels[static_cast<std::size_t>(k)] = least;
     }
     alignas(16) std::array<std::uint16_t, kPixels> winners;
-    hn::Store(smallest(blocks), block, winners.data());
+    hn::Store(smallest(pixels), block, winners.data());
 
     for (int k = 0; k < kPixels; ++k) {
       const std::uint16_t* s = sums.row(x + k);
-      const int lane = sums.padded - 1 - winners[static_cast<std::size_t>(k)];  // of the winner
+      const int lane = padded - 1 - winners[static_cast<std::size_t>(k)];  // of the winner
       const std::uint16_t* neighbours = &tables.neighbours[static_cast<std::size_t>(256 - lane)];
       V16 least = most;
-      for (int i = 0; i < sums.padded; i += lanes) {
+      for (int i = 0; i < padded; i += lanes) {
         least = hn::Min(least, hn::Or(hn::LoadU(d, s + i), hn::LoadU(d, neighbours + i)));
       }
-      blocks[static_cast<std::size_t>(k)] = fold(d, least);
+      pixels[static_cast<std::size_t>(k)] = least;
       out.winner[x + k] = static_cast<std::uint8_t>(winners[static_cast<std::size_t>(k)]);
       for (int n = 0; n < 5; ++n) out.around[n][x + k] = s[lane + 2 - n];
     }
-    hn::StoreU(smallest(blocks), block, out.rival_sum + x);
+    hn::StoreU(smallest(pixels), block, out.rival_sum + x);
+  }
+}
+
+void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
+  switch (sums.padded / kLaneGroup) {
+    case 1:
+      return select_left_groups<1>(sums, x0, x1, out);
+    case 2:
+      return select_left_groups<2>(sums, x0, x1, out);
+    case 4:
+      return select_left_groups<4>(sums, x0, x1, out);
+    default:
+      return select_left_groups<0>(sums, x0, x1, out);
+  }
+}
+
+/// The running minimum of right pixels, and the left pixels that have it.
+struct Rightmost {
+  V16 least, partner;
+};
+
+/// Left pixels x .. end - 1, whose rows follow one another; lane 0 is right pixel `first`.
+HWY_INLINE void see_partners(const SumRing& sums, int first, int x, int end, Rightmost& best) {
+  const D16 d;
+  // Left pixel x is the partner of right pixels x - range + 1 .. x, and 0xFFFF for the others.
+  const std::uint16_t* sum = sums.row(x) + (first - x + sums.padded - 1);
+  auto number = hn::Set(d, static_cast<std::uint16_t>(x));
+  const auto one = hn::Set(d, std::uint16_t{1});
+  for (; x < end; ++x, sum += sums.pitch - 1) {
+    const auto smaller = hn::Min(best.least, hn::LoadU(d, sum));
+    best.partner = hn::IfThenElse(hn::Eq(smaller, best.least), best.partner, number);
+    best.least = smaller;
+    number = hn::Add(number, one);
   }
 }
 
 void select_right(const SumRing& sums, int x0, int width, std::uint8_t* right_winner) {
   const D16 d;
   const hn::Rebind<std::uint8_t, D16> d8;
+  const hn::RebindToSigned<D16> d16s;
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int first = x0; first < x0 + kLaneGroup; first += lanes) {
-    // Left pixel x is the partner of the right pixels x - range + 1 .. x, and 0xFFFF for others.
     const int end = std::min(first + lanes + sums.range - 1, width);
-    V16 least = hn::Set(d, kMost);
-    V16 partner = hn::Zero(d);
-    for (int x = first; x < end; ++x) {
-      const auto sum = hn::LoadU(d, sums.row(x) + (first - x + sums.padded - 1));
-      const auto smaller = hn::Min(least, sum);
-      const auto stays = hn::Eq(smaller, least);
-      partner = hn::IfThenElse(stays, partner, hn::Set(d, static_cast<std::uint16_t>(x)));
-      least = smaller;
-    }
-    const auto disparity = hn::Sub(partner, hn::Iota(d, static_cast<std::uint16_t>(first)));
-    const hn::RebindToSigned<D16> d16s;
+    const int wrap = (first | sums.mask) + 1;  // there the ring begins anew
+    Rightmost best{hn::Set(d, kMost), hn::Zero(d)};
+    see_partners(sums, first, first, std::min(end, wrap), best);
+    if (wrap < end) see_partners(sums, first, wrap, end, best);
+    const auto disparity = hn::Sub(best.partner, hn::Iota(d, static_cast<std::uint16_t>(first)));
     const auto bytes = hn::BitCast(d16s, hn::And(disparity, hn::Set(d, std::uint16_t{0xFF})));
     hn::StoreU(hn::DemoteTo(d8, bytes), d8, right_winner + first);
   }

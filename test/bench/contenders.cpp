@@ -1,0 +1,157 @@
+#include "bench/contenders.hpp"
+
+#include <memory>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/target.hpp"
+#include "support/data.hpp"
+#include "support/images.hpp"
+
+namespace fpga_stereo::bench {
+namespace {
+
+CameraCalibration scaled(CameraCalibration camera, cv::Size size) {
+  const double x = static_cast<double>(size.width) / camera.width;
+  const double y = static_cast<double>(size.height) / camera.height;
+  // The rectified focal lengths of both axes have to agree with those of the raw image only.
+  for (const std::size_t i : {0U, 1U, 2U}) camera.K[i] *= x;
+  for (const std::size_t i : {3U, 4U, 5U}) camera.K[i] *= y;
+  for (const std::size_t i : {0U, 1U, 2U, 3U}) camera.P[i] *= x;
+  for (const std::size_t i : {4U, 5U, 6U, 7U}) camera.P[i] *= y;
+  camera.width = size.width;
+  camera.height = size.height;
+  return camera;
+}
+
+CameraCalibration textured_camera(cv::Size size, double shift) {
+  CameraCalibration camera;
+  camera.width = size.width;
+  camera.height = size.height;
+  camera.distortion_model = "plumb_bob";
+  camera.D = {-0.28, 0.07, 0.0002, 0.00002, 0};
+  const double f = 0.7 * size.width, cx = size.width / 2.0, cy = size.height / 2.0;
+  camera.K = {f, 0, cx, 0, f, cy, 0, 0, 1};
+  camera.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  camera.P = {f, 0, cx, shift, 0, f, cy, 0, 0, 0, 1, 0};
+  return camera;
+}
+
+cv::Mat matrix(const double* values, int rows, int cols) {
+  return cv::Mat(rows, cols, CV_64F, const_cast<double*>(values)).clone();
+}
+
+/// remap with maps of fixed point, as image_geometry makes them.
+class Remap {
+ public:
+  explicit Remap(const CameraCalibration& c) {
+    cv::initUndistortRectifyMap(matrix(c.K.data(), 3, 3), c.D, matrix(c.R.data(), 3, 3),
+                                matrix(c.P.data(), 3, 4), {c.width, c.height}, CV_16SC2, position_,
+                                weight_);
+  }
+  const cv::Mat1b& operator()(const cv::Mat1b& raw) {
+    cv::remap(raw, out_, position_, weight_, cv::INTER_LINEAR);
+    return out_;
+  }
+
+ private:
+  cv::Mat position_, weight_;
+  cv::Mat1b out_;
+};
+
+/// Uniqueness, left-right check and speckle filter on, as stereo_image_proc sets them.
+cv::Ptr<cv::StereoMatcher> make_matcher(const std::string& name, int disparities) {
+  constexpr int kUniqueness = 15, kMaxDifference = 1, kSpeckleSize = 100, kSpeckleRange = 4;
+  cv::Ptr<cv::StereoMatcher> matcher;
+  if (name == "opencv/StereoBM") {
+    const auto bm = cv::StereoBM::create(disparities, 15);
+    bm->setUniquenessRatio(kUniqueness);
+    matcher = bm;
+  } else {
+    constexpr int kBlock = 5;
+    const int mode =
+        name == "opencv/StereoSGBM" ? cv::StereoSGBM::MODE_SGBM : cv::StereoSGBM::MODE_SGBM_3WAY;
+    matcher =
+        cv::StereoSGBM::create(0, disparities, kBlock, 8 * kBlock * kBlock, 32 * kBlock * kBlock,
+                               kMaxDifference, 31, kUniqueness, kSpeckleSize, kSpeckleRange, mode);
+  }
+  matcher->setDisp12MaxDiff(kMaxDifference);
+  matcher->setSpeckleWindowSize(kSpeckleSize);
+  matcher->setSpeckleRange(kSpeckleRange);
+  return matcher;
+}
+
+Contender make_opencv(const std::string& name, const Scene& scene, int disparities) {
+  struct State {
+    Remap left, right;
+    cv::Ptr<cv::StereoMatcher> matcher;
+    cv::Mat disparity;
+  };
+  const auto state = std::make_shared<State>(State{
+      Remap(scene.left_camera), Remap(scene.right_camera), make_matcher(name, disparities), {}});
+  return [state, &scene](StageTimes&) {
+    state->matcher->compute(state->left(scene.left), state->right(scene.right), state->disparity);
+  };
+}
+
+Contender make_ours(const std::string& pattern, const Scene& scene, int disparities, int threads) {
+  struct State {
+    Pipeline pipeline;
+    StereoRectification rectification;
+    Parameters parameters;
+  };
+  const auto made = make_stereo_rectification(scene.left_camera, scene.right_camera, 0);
+  if (!made) throw std::runtime_error(made.error().message);
+  const auto state = std::make_shared<State>();
+  state->rectification = *made;
+  state->parameters.disparity_range = disparities;
+  if (pattern == "full") state->parameters.census_pattern = CensusPattern::kFull;
+  return [state, &scene, threads, scalar = pattern == "sparse_scalar"](StageTimes& ms) {
+    const std::string before = target();
+    if (scalar) (void)choose_target(kScalarTarget);
+    ms = state->pipeline
+             .process(scene.left, scene.right, state->rectification, state->parameters, threads)
+             .ms;
+    if (scalar) (void)choose_target(before);
+  };
+}
+
+}  // namespace
+
+Scene make_scene(cv::Size size) {
+  Scene scene;
+  scene.real = test::data_dir().has_value();
+  if (scene.real) {
+    const test::ImagePair pair = test::euroc_pair(0);
+    const test::CalibrationPair cameras = test::euroc_calibration();
+    cv::resize(pair.left, scene.left, size, 0, 0, cv::INTER_AREA);
+    cv::resize(pair.right, scene.right, size, 0, 0, cv::INTER_AREA);
+    scene.left_camera = scaled(cameras.left, size);
+    scene.right_camera = scaled(cameras.right, size);
+  } else {
+    const test::SlantedPair pair = test::slanted_pair(size, test::Texture(1), 5, 0.05);
+    scene.left = pair.left;
+    scene.right = pair.right;
+    scene.left_camera = textured_camera(size, 0);
+    scene.right_camera = textured_camera(size, -0.07 * size.width);
+  }
+  return scene;
+}
+
+const std::vector<std::string>& contender_names() {
+  static const std::vector<std::string> names{
+      "fpga_stereo/sparse", "fpga_stereo/full",  "fpga_stereo/sparse_scalar",
+      "opencv/StereoBM",    "opencv/StereoSGBM", "opencv/StereoSGBM_3WAY"};
+  return names;
+}
+
+Contender make_contender(const std::string& name, const Scene& scene, int disparities,
+                         int threads) {
+  const std::size_t slash = name.find('/');
+  if (name.substr(0, slash) == "opencv") return make_opencv(name, scene, disparities);
+  return make_ours(name.substr(slash + 1), scene, disparities, threads);
+}
+
+}  // namespace fpga_stereo::bench

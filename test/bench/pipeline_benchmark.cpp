@@ -1,0 +1,78 @@
+// Ours and OpenCV's block matching side by side: names are who/what/WxHxD/threads. See
+// test/bench/README.md for how it is run.
+#include <benchmark/benchmark.h>
+
+#include <map>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <string>
+
+#include "bench/contenders.hpp"
+#include "fpga_stereo/core/target.hpp"
+
+namespace fpga_stereo::bench {
+namespace {
+
+struct Size {
+  int width, height, disparities;
+};
+constexpr Size kSizes[] = {{640, 480, 64},  {640, 480, 128}, {752, 480, 64},
+                           {752, 480, 128}, {1280, 720, 64}, {1280, 720, 128}};
+
+const Scene& scene_of(cv::Size size) {
+  static std::map<std::pair<int, int>, std::unique_ptr<Scene>> scenes;
+  auto& scene = scenes[{size.width, size.height}];
+  if (!scene) scene = std::make_unique<Scene>(make_scene(size));
+  return *scene;
+}
+
+void run(benchmark::State& state, const std::string& name, const Size& size, int threads) {
+  cv::setNumThreads(threads);
+  const Scene& scene = scene_of({size.width, size.height});
+  const Contender contender = make_contender(name, scene, size.disparities, threads);
+  StageTimes ms{}, sum{};
+  contender(ms);  // memory is taken, pages are there
+  for (auto _ : state) {
+    contender(ms);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += ms[i];
+  }
+  const auto frames = static_cast<double>(state.iterations());
+  // Millions of disparity evaluations per second, and per core.
+  const double evaluations = 1e-6 * size.width * size.height * size.disparities;
+  state.counters["MDE/s"] = benchmark::Counter(evaluations * frames, benchmark::Counter::kIsRate);
+  state.counters["MDE/s/core"] =
+      benchmark::Counter(evaluations * frames / threads, benchmark::Counter::kIsRate);
+  state.counters["real_scene"] = scene.real ? 1 : 0;
+  for (std::size_t i = 0; sum[0] > 0 && i < sum.size(); ++i) {
+    state.counters[std::string("ms_") + kStageNames[i]] = sum[i] / frames;
+  }
+}
+
+void register_all() {
+  for (const Size& size : kSizes) {
+    for (const int threads : {1, 2}) {
+      for (const std::string& name : contender_names()) {
+        const std::string full = name + "/" + std::to_string(size.width) + "x" +
+                                 std::to_string(size.height) + "x" +
+                                 std::to_string(size.disparities) + "/" + std::to_string(threads);
+        benchmark::RegisterBenchmark(
+            full.c_str(),
+            [name, size, threads](benchmark::State& state) { run(state, name, size, threads); })
+            ->Unit(benchmark::kMillisecond)
+            ->UseRealTime();
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fpga_stereo::bench
+
+int main(int argc, char** argv) {
+  fpga_stereo::bench::register_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::AddCustomContext("target", fpga_stereo::target());
+  benchmark::AddCustomContext("opencv", cv::getVersionString());
+  benchmark::RunSpecifiedBenchmarks();
+}
