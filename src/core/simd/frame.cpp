@@ -83,10 +83,12 @@ void Frame::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
   };
 
   timed(Stage::kRectify, [&] {
+    left_.sources.make(rectification.left.mesh, left_raw.size(), left_raw.step[0]);
+    right_.sources.make(rectification.right.mesh, right_raw.size(), right_raw.step[0]);
     in_bands(size.height, num_threads, [&](int, cv::Range rows) {
       for (int y = rows.start; y < rows.end; ++y) {
-        rectify_row(left_raw, rectification.left.mesh, y, left_.rectified[y]);
-        rectify_row(right_raw, rectification.right.mesh, y, right_.rectified[y]);
+        left_.sources.rectify(left_raw, y, left_.rectified[y]);
+        right_.sources.rectify(right_raw, y, right_.rectified[y]);
       }
     });
   });

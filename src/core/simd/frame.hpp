@@ -6,6 +6,7 @@
 
 #include "core/simd/regions.hpp"
 #include "core/simd/row_matcher.hpp"
+#include "core/simd/source_table.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
 
 namespace fpga_stereo::simd {
@@ -24,6 +25,7 @@ class Frame {
   };
   struct Camera {
     cv::Mat1b padded, rectified;  // with and without the border
+    SourceTable sources;
     CensusPlanes bits;
   };
 

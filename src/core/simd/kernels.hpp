@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/simd/source_table.hpp"
 #include "fpga_stereo/core/mesh.hpp"
 
 namespace fpga_stereo::simd {
@@ -23,6 +24,8 @@ constexpr int padded_range(int range) { return (range + kLaneGroup - 1) / kLaneG
 
 /// Rectifies row `y` of the mesh. raw is 8UC1 or 8UC3, `out` has room for the row alone.
 void rectify_row(const cv::Mat& raw, const Mesh& mesh, int y, std::uint8_t* out);
+/// Rectifies `count` cells of a row, 8 pixels each; how many were left out, their offset being < 0.
+int rectify_cells(const cv::Mat1b& raw, const SourceCell* cells, int count, std::uint8_t* out);
 
 /// Bit k % 8 of byte x of plane k / 8 says whether the pixel at `neighbours[k]` bytes from pixel x
 /// is smaller. The image has a border of 255 that no pixel is larger than.
@@ -52,7 +55,8 @@ struct SumRing {
 
   std::uint16_t* row(int x) const { return first + (x & mask) * pitch; }
 };
-/// S(x) = S(x - 1) + columns(x + radius) - columns(x - radius - 1) for x0 .. x1 - 1.
+/// S(x) = S(x - 1) + columns(x + radius) - columns(x - radius - 1) for x0 .. x1 - 1, whose rows of
+/// the ring follow one another.
 void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing& sums);
 
 /// What select knows of a row, by pixel; kBorder bytes behind each.

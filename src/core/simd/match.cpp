@@ -16,6 +16,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D8 = hn::CappedTag<std::uint8_t, kLaneGroup>;
 using V8 = hn::Vec<D8>;
 using D16 = hn::CappedTag<std::uint16_t, kLaneGroup>;
+using V16 = hn::Vec<D16>;
 
 #if HWY_TARGET == HWY_AVX3_DL
 constexpr bool kCountsBits = true;
@@ -156,38 +157,27 @@ void leave(int padded, int x0, int x1, std::uint8_t* slot, std::int16_t* columns
   }
 }
 
-template <int kGroups>
-HWY_INLINE void box_groups(const std::int16_t* columns, int radius, int x0, int x1,
-                           const SumRing& sums) {
-  const D16 d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int padded = kGroups > 0 ? kGroups * kLaneGroup : sums.padded;
-  const auto* from = reinterpret_cast<const std::uint16_t*>(columns);
-  const std::uint16_t* entering = from + static_cast<std::ptrdiff_t>(x0 + radius) * padded;
-  const std::uint16_t* leaving = from + static_cast<std::ptrdiff_t>(x0 - radius - 1) * padded;
-  const std::uint16_t* before = sums.row(x0 - 1);
-  for (int x = x0; x < x1; ++x) {
-    std::uint16_t* out = sums.row(x);
-    for (int i = 0; i < padded; i += lanes) {
-      const auto change = hn::Sub(hn::LoadU(d, entering + i), hn::LoadU(d, leaving + i));
-      hn::StoreU(hn::Add(hn::LoadU(d, before + i), change), d, out + i);
-    }
-    before = out;
-    entering += padded;
-    leaving += padded;
-  }
-}
-
 void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing& sums) {
-  switch (sums.padded / kLaneGroup) {
-    case 1:
-      return box_groups<1>(columns, radius, x0, x1, sums);
-    case 2:
-      return box_groups<2>(columns, radius, x0, x1, sums);
-    case 4:
-      return box_groups<4>(columns, radius, x0, x1, sums);
-    default:
-      return box_groups<0>(columns, radius, x0, x1, sums);
+  constexpr std::size_t kParts = kLaneGroup / hn::MaxLanes(D16());
+  const D16 d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const auto* from = reinterpret_cast<const std::uint16_t*>(columns);
+  const std::ptrdiff_t window = static_cast<std::ptrdiff_t>(2 * radius + 1) * sums.padded;
+  // A group of disparities of all columns, then the next: the sums stay in registers.
+  for (int i = 0; i < sums.padded; i += kLaneGroup) {
+    const std::uint16_t* before = sums.row(x0 - 1) + i;
+    const std::uint16_t* entering =
+        from + static_cast<std::ptrdiff_t>(x0 + radius) * sums.padded + i;
+    std::uint16_t* out = sums.row(x0) + i;
+    std::array<V16, kParts> sum;
+    for (std::size_t k = 0; k < kParts; ++k) sum[k] = hn::LoadU(d, before + k * lanes);
+    for (int x = x0; x < x1; ++x, entering += sums.padded, out += sums.pitch) {
+      for (std::size_t k = 0; k < kParts; ++k) {
+        const std::uint16_t* next = entering + k * lanes;
+        sum[k] = hn::Add(sum[k], hn::Sub(hn::LoadU(d, next), hn::LoadU(d, next - window)));
+        hn::StoreU(sum[k], d, out + k * lanes);
+      }
+    }
   }
 }
 

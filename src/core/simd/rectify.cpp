@@ -41,56 +41,19 @@ HWY_INLINE Taps taps(const cv::Point* columns, int x, int y) {
           hn::And(source_x, fraction), hn::And(source_y, fraction)};
 }
 
-/// Two pixels of the upper row and two of the lower one, in 1/32 -> their weighted mean, rounded
-/// half up.
-HWY_INLINE V32 mean_of_rows(const Taps& t, V32 upper, V32 lower) {
+/// Of one channel, from the upper and the lower two pixels: weighted mean, rounded half up.
+HWY_INLINE V32 bilinear(const Taps& t, V32 a, V32 b, V32 c, V32 e) {
+  const auto upper = hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), t.wx));
+  const auto lower = hn::Add(hn::ShiftLeft<kSourceShift>(c), hn::Mul(hn::Sub(e, c), t.wx));
   const auto sum =
       hn::Add(hn::ShiftLeft<kSourceShift>(upper), hn::Mul(hn::Sub(lower, upper), t.wy));
   const auto half = hn::Set(D32(), kSourceScale * kSourceScale / 2);
   return hn::ShiftRight<2 * kSourceShift>(hn::Add(sum, half));
 }
 
-/// The same of one channel, from the four pixels.
-HWY_INLINE V32 bilinear(const Taps& t, V32 a, V32 b, V32 c, V32 e) {
-  const auto upper = hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), t.wx));
-  const auto lower = hn::Add(hn::ShiftLeft<kSourceShift>(c), hn::Mul(hn::Sub(e, c), t.wx));
-  return mean_of_rows(t, upper, lower);
-}
-
-/// The pixels of a grey image. Maps are smooth: all sources mostly lie in 16 columns of three rows,
-/// and then rows are shuffled; gathers are for the others.
+/// The pixels of a grey image.
 HWY_INLINE V32 grey(const Taps& t, const cv::Mat& raw) {
   const D32 d;
-  const hn::Rebind<std::int16_t, D32> d16;
-  const hn::Full128<std::uint8_t> bytes;
-  const auto at_first = hn::GetLane(t.left), at_last = hn::ExtractLane(t.left, hn::Lanes(d) - 1);
-  const auto row_first = hn::GetLane(t.top), row_last = hn::ExtractLane(t.top, hn::Lanes(d) - 1);
-  const int left = std::min(at_first, at_last), top = std::min(row_first, row_last);
-  const auto column = hn::Sub(t.left, hn::Set(d, left)), row = hn::Sub(t.top, hn::Set(d, top));
-  const auto near =
-      hn::And(hn::Lt(hn::Or(column, row), hn::Set(d, 15)),
-              hn::And(hn::Gt(hn::Or(column, row), hn::Set(d, -1)), hn::Lt(row, hn::Set(d, 2))));
-  const bool room = left + 16 <= raw.cols && top + 3 <= raw.rows;
-  if (HWY_LIKELY(room && hn::AllTrue(d, near))) {
-    const auto index =
-        hn::DemoteTo(d16, hn::Add(hn::Mul(column, hn::Set(d, 0x0101)), hn::Set(d, 0x0100)));
-    const auto pairs_index = hn::BitCast(hn::Repartition<std::uint8_t, decltype(d16)>(), index);
-    const auto wx = hn::DemoteTo(d16, t.wx);
-    const auto second = hn::RebindMask(d16, hn::Eq(hn::DemoteTo(d16, row), hn::Set(d16, 1)));
-    const std::uint8_t* from = raw.ptr(top) + left;
-    const auto pitch = static_cast<std::ptrdiff_t>(raw.step[0]);
-    const auto mean = [&](std::ptrdiff_t y) {
-      const auto pixels = hn::LoadU(bytes, from + y * pitch);
-      const auto pairs = hn::BitCast(d16, hn::TableLookupBytes(pixels, pairs_index));
-      const auto a = hn::And(pairs, hn::Set(d16, 0xFF));
-      const auto b = hn::BitCast(
-          d16, hn::ShiftRight<8>(hn::BitCast(hn::RebindToUnsigned<decltype(d16)>(), pairs)));
-      return hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), wx));
-    };
-    const auto first = mean(0), middle = mean(1), last = mean(2);
-    return mean_of_rows(t, hn::PromoteTo(d, hn::IfThenElse(second, middle, first)),
-                        hn::PromoteTo(d, hn::IfThenElse(second, last, middle)));
-  }
   const auto byte = hn::Set(d, 0xFF);
   const auto pitch = hn::Set(d, static_cast<int>(raw.step[0]));
   const auto upper = hn::Add(hn::Mul(t.top, pitch), t.left);
@@ -162,6 +125,55 @@ void rectify_row(const cv::Mat& raw, const Mesh& mesh, int y, std::uint8_t* out)
   }
 }
 
+using D16 = hn::Full128<std::int16_t>;  // a cell
+using V16 = hn::Vec<D16>;
+using Bytes = hn::Full128<std::uint8_t>;
+
+/// Eight means of two pixels each of one raw row, in 1/32: of the pixels `pairs` says, by wx.
+HWY_INLINE V16 means(const std::uint8_t* raw, hn::Vec<Bytes> pairs, V16 wx) {
+  const D16 d;
+  const hn::RebindToUnsigned<D16> du;
+  const auto both = hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(Bytes(), raw), pairs));
+  const auto a = hn::And(both, hn::Set(d, 0xFF));
+  const auto b = hn::BitCast(d, hn::ShiftRight<8>(hn::BitCast(du, both)));
+  return hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), wx));
+}
+
+int rectify_cells(const cv::Mat1b& raw, const SourceCell* cells, int count, std::uint8_t* out) {
+  const D16 d;
+  const hn::Half<Bytes> eight;
+  const auto pitch = static_cast<std::ptrdiff_t>(raw.step[0]);
+  const auto unpack = [&](const std::uint8_t* from) {
+    return hn::PromoteTo(d, hn::LoadU(eight, from));
+  };
+  int left_out = 0;
+  for (int i = 0; i < count; ++i) {
+    const SourceCell& cell = cells[i];
+    if (HWY_UNLIKELY(cell.offset < 0)) {
+      ++left_out;
+      continue;
+    }
+    // Bytes c and c + 1 for each pixel.
+    const auto pairs =
+        hn::Add(hn::Mul(unpack(cell.column), hn::Set(d, 0x0101)), hn::Set(d, 0x0100));
+    const auto wx = unpack(cell.wx), wy = unpack(cell.wy);
+    const std::uint8_t* from = raw.data + cell.offset;
+    const auto first = means(from, hn::BitCast(Bytes(), pairs), wx);
+    const auto middle = means(from + pitch, hn::BitCast(Bytes(), pairs), wx);
+    const auto last = means(from + 2 * pitch, hn::BitCast(Bytes(), pairs), wx);
+    const auto second = hn::Gt(wy, hn::Set(d, kSecondRow - 1));
+    const auto upper = hn::IfThenElse(second, middle, first);
+    const auto lower = hn::IfThenElse(second, last, middle);
+    // (32 upper + (lower - upper) wy + 512) >> 10, whose inner division by 32 floors as well: the
+    // product fits into 16 bits as the high half of 4 (lower - upper) 512 wy. The flag of wy falls
+    // off.
+    const auto product = hn::MulHigh(hn::ShiftLeft<2>(hn::Sub(lower, upper)), hn::ShiftLeft<9>(wy));
+    const auto sum = hn::Add(hn::Add(upper, hn::Set(d, kSourceScale / 2)), product);
+    hn::StoreU(hn::DemoteTo(eight, hn::ShiftRight<kSourceShift>(sum)), eight, out + kMeshPitch * i);
+  }
+  return left_out;
+}
+
 }  // namespace fpga_stereo::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -169,9 +181,14 @@ HWY_AFTER_NAMESPACE();
 namespace fpga_stereo::simd {
 
 HWY_EXPORT(rectify_row);
+HWY_EXPORT(rectify_cells);
 
 void rectify_row(const cv::Mat& raw, const Mesh& mesh, int y, std::uint8_t* out) {
   HWY_DYNAMIC_DISPATCH(rectify_row)(raw, mesh, y, out);
+}
+
+int rectify_cells(const cv::Mat1b& raw, const SourceCell* cells, int count, std::uint8_t* out) {
+  return HWY_DYNAMIC_DISPATCH(rectify_cells)(raw, cells, count, out);
 }
 
 }  // namespace fpga_stereo::simd

@@ -35,18 +35,16 @@ void check_row(const SelectedRow& s, int width, bool left_right, int most_differ
   const D32 d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto one = hn::Set(d, 1);
+  if (left_right) {
+    // What the partners say, by plain loads: gathers are no faster.
+    for (int x = 0; x < width; ++x) kept[x] = s.right_winner[std::max(x - s.winner[x], 0)];
+  }
   for (int x = 0; x < width; x += lanes) {
     auto keep = one;
     if (left_right) {
-      // Plain loads: gathers are no faster.
-      std::array<std::uint8_t, kMost> partners;
-      for (int i = 0; i < lanes; ++i) {
-        partners[static_cast<std::size_t>(i)] =
-            s.right_winner[std::max(x + i - s.winner[x + i], 0)];
-      }
       const auto winner = load(s.winner + x);
       const auto inside = hn::Gt(hn::Sub(hn::Iota(d, x), winner), hn::Set(d, -1));
-      const auto difference = hn::Abs(hn::Sub(load(partners.data()), winner));
+      const auto difference = hn::Abs(hn::Sub(load(kept + x), winner));
       const auto agrees = hn::Lt(difference, hn::Set(d, most_difference + 1));
       keep = hn::IfThenElseZero(hn::And(inside, agrees), keep);
     }

@@ -45,6 +45,27 @@ HWY_INLINE VBlock smallest(const std::array<V16, kPixels>& pixels) {
   return fold(D16(), pair(even, odd));
 }
 
+/// The sums from the winner + 2 down, by pixel -> by neighbour.
+HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const SelectedRow& out,
+                             int x) {
+  const Block d;
+  // Pixels that are 4, 2, 1 apart side by side: then all of one neighbour are.
+  const auto low = [&](VBlock a, VBlock b) { return hn::InterleaveLower(d, a, b); };
+  const auto high = [&](VBlock a, VBlock b) { return hn::InterleaveUpper(d, a, b); };
+  const auto& p = pixels;
+  const VBlock a04 = low(p[0], p[4]), a15 = low(p[1], p[5]), a26 = low(p[2], p[6]),
+               a37 = low(p[3], p[7]);
+  const VBlock even = low(a04, a26), odd = low(a15, a37);              // neighbours 0 and 1
+  const VBlock even_next = high(a04, a26), odd_next = high(a15, a37);  // 2 and 3
+  const VBlock even_last = low(high(p[0], p[4]), high(p[2], p[6]));
+  const VBlock odd_last = low(high(p[1], p[5]), high(p[3], p[7]));
+  hn::StoreU(low(even, odd), d, out.around[4] + x);
+  hn::StoreU(high(even, odd), d, out.around[3] + x);
+  hn::StoreU(low(even_next, odd_next), d, out.around[2] + x);
+  hn::StoreU(high(even_next, odd_next), d, out.around[1] + x);
+  hn::StoreU(low(even_last, odd_last), d, out.around[0] + x);
+}
+
 /// The disparities of lanes, and where a winner's neighbours are, as vectors to load.
 struct Tables {
   std::array<std::uint16_t, 256 + kLaneGroup> disparities;  // 255 - i
@@ -69,6 +90,7 @@ HWY_INLINE void select_left_groups(const SumRing& sums, int x0, int x1, const Se
   const auto most = hn::Set(d, kMost);
   for (int x = x0; x < x1; x += kPixels) {
     std::array<V16, kPixels> pixels;
+    std::array<VBlock, kPixels> around;
     for (int k = 0; k < kPixels; ++k) {
       const std::uint16_t* s = sums.row(x + k);
       V16 least = hn::LoadU(d, s);
@@ -101,9 +123,10 @@ HWY_INLINE void select_left_groups(const SumRing& sums, int x0, int x1, const Se
       }
       pixels[static_cast<std::size_t>(k)] = least;
       out.winner[x + k] = static_cast<std::uint8_t>(winners[static_cast<std::size_t>(k)]);
-      for (int n = 0; n < 5; ++n) out.around[n][x + k] = s[lane + 2 - n];
+      around[static_cast<std::size_t>(k)] = hn::LoadU(block, s + lane - 2);
     }
     hn::StoreU(smallest(pixels), block, out.rival_sum + x);
+    store_around(around, out, x);
   }
 }
 
