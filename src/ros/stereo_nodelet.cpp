@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "fpga_stereo/core/target.hpp"
 #include "fpga_stereo/ros/board_report.hpp"
 #include "fpga_stereo/ros/board_source.hpp"
 #include "fpga_stereo/ros/health.hpp"
@@ -80,6 +81,10 @@ void StereoNodelet::onInit() {
   const SyncSettings sync = load_sync_settings(private_nh, refusals);
   board_settings_ = load_board_settings(private_nh, refusals);
   for (const std::string& refusal : refusals) NODELET_ERROR_STREAM("parameter " << refusal);
+  if (const Status known = check_target_variable(); !known) {
+    NODELET_ERROR_STREAM(known.error().message << "; using " << target());
+  }
+  NODELET_INFO_STREAM("the software pipeline computes with " << target());
   for (const std::string& name : ignored_parameters(private_nh)) {
     NODELET_WARN_STREAM("parameter " << name << " of stereo_image_proc has no meaning here");
   }

@@ -95,12 +95,12 @@ class SelfTest {
     require(made, "this board cannot be tested with that: ");
     configure(board_, *made, ++tag_, streams_, true, kConfigureTime);
     const link::FrameSet set = send(test);
-    const DisparityFrame& made = pipeline_.process(test.left, test.right, test.rectification, test.parameters,
-                                         cv::getNumberOfCPUs());
+    const DisparityFrame& frame = pipeline_.process(test.left, test.right, test.rectification,
+                                                    test.parameters, cv::getNumberOfCPUs());
     Comparison all;
-    compare(test, "disparity", set.image(link::Stream::kDisparity), made.disparity, all);
-    compare(test, "left", set.image(link::Stream::kRectifiedLeft), made.left, all);
-    compare(test, "right", set.image(link::Stream::kRectifiedRight), made.right, all);
+    compare(test, "disparity", set.image(link::Stream::kDisparity), frame.disparity, all);
+    compare(test, "left", set.image(link::Stream::kRectifiedLeft), frame.left, all);
+    compare(test, "right", set.image(link::Stream::kRectifiedRight), frame.right, all);
     return all;
   }
 

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "fpga_stereo/core/pipeline.hpp"
+#include "fpga_stereo/core/target.hpp"
 #include "support/parameter_options.hpp"
 #include "support/program.hpp"
 #include "support/stereo_job.hpp"
@@ -45,6 +46,7 @@ void match(const Arguments& arguments) {
   write_result(job, made.disparity);
   if (parsed->options["verbose"].as<bool>()) {
     print_rectification(job.rectification);
+    std::cerr << "computed with " << target() << "\n";
     print_times(made.ms);
   }
 }

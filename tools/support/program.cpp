@@ -3,6 +3,8 @@
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 
+#include "fpga_stereo/core/target.hpp"
+
 namespace fpga_stereo::tools {
 
 namespace po = boost::program_options;
@@ -16,6 +18,9 @@ std::string shell_quoted(const std::string& text) {
 int run_program(const std::string& name, int argc, char** argv,
                 const std::function<void(const Arguments&)>& body) {
   try {
+    if (const Status known = check_target_variable(); !known) {
+      throw UsageError(known.error().message);
+    }
     body(Arguments(argv + 1, argv + argc));
     std::cout.flush();
     if (!std::cout) throw std::runtime_error("cannot write to standard output");

@@ -15,7 +15,7 @@ module top #(
   parameter int CensusFull = 0,
   parameter int Primitives = 1,  // of the ECP5: fs_add_select
   parameter int PllFeedback = 12,
-  parameter int PllDivide = 10,
+  parameter int PllDivide = 12,
   parameter int UartBaud = 1000000,
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480

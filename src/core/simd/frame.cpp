@@ -66,7 +66,7 @@ void Frame::create(cv::Size size, const Parameters& p, int num_threads) {
   }
   bands_.resize(static_cast<std::size_t>(num_threads));
   for (Band& band : bands_) {
-    band.kept.resize(static_cast<std::size_t>(size.width + kBorder));
+    band.kept.resize(static_cast<std::size_t>(size.width) + kBorder);
     band.ms = {};
   }
 }

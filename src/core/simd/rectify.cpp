@@ -109,7 +109,7 @@ HWY_INLINE void rectify_channels(const cv::Mat& raw, const MeshRow& row, int y, 
       std::array<std::int32_t, kMeshPitch> pixels;
       hn::StoreU(color(t, raw), d, pixels.data());
       for (int i = 0; i < lanes; ++i) {
-        std::memcpy(out + 3 * (x + i), &pixels[static_cast<std::size_t>(i)], 3);
+        std::memcpy(out + std::ptrdiff_t{3} * (x + i), &pixels[static_cast<std::size_t>(i)], 3);
       }
     }
   }
@@ -169,7 +169,8 @@ int rectify_cells(const cv::Mat1b& raw, const SourceCell* cells, int count, std:
     // off.
     const auto product = hn::MulHigh(hn::ShiftLeft<2>(hn::Sub(lower, upper)), hn::ShiftLeft<9>(wy));
     const auto sum = hn::Add(hn::Add(upper, hn::Set(d, kSourceScale / 2)), product);
-    hn::StoreU(hn::DemoteTo(eight, hn::ShiftRight<kSourceShift>(sum)), eight, out + kMeshPitch * i);
+    hn::StoreU(hn::DemoteTo(eight, hn::ShiftRight<kSourceShift>(sum)), eight,
+               out + std::ptrdiff_t{kMeshPitch} * i);
   }
   return left_out;
 }

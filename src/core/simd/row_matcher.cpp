@@ -38,7 +38,7 @@ void RowMatcher::start(const CensusPlanes& left, const CensusPlanes& right, int 
   slots_ = 0;
   columns_.create(1, (width + window_) * padded_);  // columns of zeros on both sides
   columns_ = 0;
-  column_ = columns_[0] + (radius_ + 1) * padded_;
+  column_ = columns_[0] + static_cast<std::ptrdiff_t>(radius_ + 1) * padded_;
 
   int rows = 1;
   while (rows < padded_ + kLaneGroup + 2 * kColumns) rows *= 2;

@@ -75,7 +75,7 @@ struct Tables {
       disparities[i] = static_cast<std::uint16_t>(255 - i);
     }
     neighbours.fill(0);
-    for (int i = -1; i <= 1; ++i) neighbours[static_cast<std::size_t>(256 + i)] = kMost;
+    for (const std::size_t i : {255U, 256U, 257U}) neighbours[i] = kMost;
   }
 };
 
