@@ -82,8 +82,8 @@ Result<StereoFrame> SoftwareSource::make(const InputPair& pair, const Demand& de
   if (!begun) return begun.error();
   StereoFrame& frame = *begun;
   if (demand.disparity) {
-    const DisparityFrame& computed = pipeline_.process(
-        frame.left.mono, frame.right.mono, **made, settings.pipeline, settings.num_threads);
+    const DisparityFrame& computed = pipeline_.process(frame.left.mono, frame.right.mono, **made,
+                                                       settings.pipeline, settings.num_threads);
     frame.disparity = computed.disparity;
     frame.left.rect = computed.left;
     if (settings.pipeline.min_disparity == 0) frame.right.rect = computed.right;

@@ -43,7 +43,8 @@ void Verifier::run() {
       job = std::move(*waiting_);
       waiting_.reset();
     }
-    const DisparityFrame& made = pipeline.process(job.left, job.right, *job.rectification, job.parameters, 1);
+    const DisparityFrame& made =
+        pipeline.process(job.left, job.right, *job.rectification, job.parameters, 1);
     std::vector<cv::Point> differ;
     cv::findNonZero(made.disparity != job.disparity, differ);
     if (!differ.empty()) {

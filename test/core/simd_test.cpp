@@ -60,7 +60,8 @@ TEST_P(Kernels, Census) {
             for (int plane = 0; plane < planes.planes; ++plane) {
               const std::uint32_t byte = words[plane / 4] >> (plane % 4 * 8) & 0xFF;
               ASSERT_EQ(byte, planes.row(y)[plane * planes.pitch + x])
-                  << input.name << " x " << x << " y " << y << " plane " << plane << Case{p, 20, ""};
+                  << input.name << " x " << x << " y " << y << " plane " << plane
+                  << Case{p, 20, ""};
             }
           }
         }

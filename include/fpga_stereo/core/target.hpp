@@ -18,8 +18,8 @@ std::vector<std::string> targets();
 /// What is computed with: the best, unless FPGA_STEREO_TARGET or choose_target() says otherwise.
 std::string target();
 
-/// From now on, in all threads; not while a frame is being computed. Fails with kInvalid where it is
-/// none of targets().
+/// From now on, in all threads; not while a frame is being computed. Fails with kInvalid where it
+/// is none of targets().
 Status choose_target(const std::string& name);
 
 /// Whether FPGA_STEREO_TARGET, if it is set, names a target; if not, the best one is used.
