@@ -1,5 +1,6 @@
 #include "fpga_stereo/core/cloud.hpp"
 
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -8,56 +9,89 @@
 namespace fpga_stereo {
 namespace {
 
-void write_color(const cv::Mat& color, int x, int y, PointColor kind, std::uint8_t* out) {
-  if (kind == PointColor::kNone) return;
-  const int channels = color.channels();
-  const std::uint8_t* pixel = color.ptr(y) + static_cast<std::ptrdiff_t>(x) * channels;
-  if (kind == PointColor::kRgb) {
-    out[0] = pixel[0];
-    out[1] = pixel[channels / 2];
-    out[2] = pixel[channels - 1];
-    return;
+/// A point with the most that a layout has: x, y, z, 0, colour, 0, 0, 0.
+using Point = std::array<float, 8>;
+
+/// What stands in the fourth or fifth field of a point.
+template <PointColor kColor, int kChannels>
+float color_field(const std::uint8_t* pixel) {
+  if constexpr (kColor == PointColor::kNone) return 0;
+  if constexpr (kColor == PointColor::kMono && kChannels == 1) return pixel[0];
+  if constexpr (kColor == PointColor::kMono) {
+    // ITU-R BT.601, as OpenCV converts BGR to grey.
+    return 0.114F * pixel[0] + 0.587F * pixel[1] + 0.299F * pixel[2];
   }
-  // ITU-R BT.601, as OpenCV converts BGR to grey.
-  const float grey = channels == 1 ? static_cast<float>(pixel[0])
-                                   : 0.114F * pixel[0] + 0.587F * pixel[1] + 0.299F * pixel[2];
-  std::memcpy(out, &grey, sizeof grey);
+  const std::array<std::uint8_t, 4> bytes{pixel[0], pixel[kChannels / 2], pixel[kChannels - 1], 0};
+  float field = 0;
+  std::memcpy(&field, bytes.data(), sizeof field);
+  return field;
+}
+
+/// One row of points from `out` on; where they end.
+template <PointColor kColor, int kChannels, bool kPadded>
+std::uint8_t* write_row(const std::uint16_t* disparity, const std::uint8_t* color, int width, int y,
+                        const Reprojection& r, const CloudLayout& layout, std::uint8_t* out) {
+  constexpr CloudLayout kLayout{kColor, kPadded, true, 1};
+  constexpr std::size_t kStep = kLayout.point_step();
+  constexpr std::size_t kColorAt = kLayout.color_offset() / sizeof(float);
+  const double row = (y - r.cy) * r.fx / r.fy;
+  for (int x = 0; x < width; x += layout.decimation) {
+    const double d = static_cast<double>(disparity[x]) / kDisparityScale + r.offset;
+    const bool valid = disparity[x] != kNoDisparity && d > 0;
+    if (!valid && !layout.organized) continue;
+    const double metres = valid ? r.baseline / d : std::numeric_limits<double>::quiet_NaN();
+    Point point{};
+    point[0] = static_cast<float>((x - r.cx) * metres);  // per px
+    point[1] = static_cast<float>(row * metres);
+    point[2] = static_cast<float>(r.fx * metres);
+    if constexpr (kColor != PointColor::kNone) {
+      point[kColorAt] =
+          color_field<kColor, kChannels>(color + static_cast<std::ptrdiff_t>(x) * kChannels);
+    }
+    std::memcpy(out, point.data(), kStep);
+    out += kStep;
+  }
+  return out;
+}
+
+template <PointColor kColor, bool kPadded>
+auto writer(int channels) {
+  return channels == 3 ? write_row<kColor, 3, kPadded> : write_row<kColor, 1, kPadded>;
+}
+
+template <PointColor kColor>
+auto writer(bool padded, int channels) {
+  return padded ? writer<kColor, true>(channels) : writer<kColor, false>(channels);
+}
+
+auto writer(const CloudLayout& layout, int channels) {
+  switch (layout.color) {
+    case PointColor::kRgb:
+      return writer<PointColor::kRgb>(layout.padded, channels);
+    case PointColor::kMono:
+      return writer<PointColor::kMono>(layout.padded, channels);
+    case PointColor::kNone:
+      break;
+  }
+  return writer<PointColor::kNone>(layout.padded, channels);
 }
 
 }  // namespace
 
-int CloudLayout::point_step() const {
-  if (padded) return color == PointColor::kNone ? 16 : 32;
-  return color == PointColor::kNone ? 12 : 16;
-}
-
 void to_cloud(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
               const CloudLayout& layout, Cloud& out) {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const int step = layout.point_step();
   const int n = layout.decimation;
   out.width = (disparity.cols + n - 1) / n;
   out.height = (disparity.rows + n - 1) / n;
-  out.data.assign(static_cast<std::size_t>(out.width) * out.height * step, 0);
+  // Every byte is written: what was there does not matter.
+  out.data.resize(static_cast<std::size_t>(out.width) * out.height * step);
 
+  const auto write = writer(layout, color.channels());
   std::uint8_t* point = out.data.data();
   for (int y = 0; y < disparity.rows; y += n) {
-    const std::uint16_t* row = disparity[y];
-    for (int x = 0; x < disparity.cols; x += n) {
-      const double d = static_cast<double>(row[x]) / kDisparityScale + r.offset;
-      const bool valid = row[x] != kNoDisparity && d > 0;
-      if (!valid && !layout.organized) continue;
-      float xyz[3] = {kNone, kNone, kNone};
-      if (valid) {
-        const double per_pixel = r.baseline / d;
-        xyz[0] = static_cast<float>((x - r.cx) * per_pixel);
-        xyz[1] = static_cast<float>((y - r.cy) * per_pixel * r.fx / r.fy);
-        xyz[2] = static_cast<float>(r.fx * per_pixel);
-      }
-      std::memcpy(point, xyz, sizeof xyz);
-      write_color(color, x, y, layout.color, point + layout.color_offset());
-      point += step;
-    }
+    const std::uint8_t* pixels = layout.color == PointColor::kNone ? nullptr : color.ptr(y);
+    point = write(disparity[y], pixels, disparity.cols, y, r, layout, point);
   }
   if (!layout.organized) {
     out.data.resize(static_cast<std::size_t>(point - out.data.data()));

@@ -36,9 +36,15 @@ Reprojection make_reprojection(const StereoGeometry& g, int min_disparity) {
 }
 
 void to_float(const cv::Mat1w& disparity, double offset, float invalid, cv::Mat1f& out) {
-  auto table = lookup<float>([&](double d) { return static_cast<float>(d + offset); });
-  table[kNoDisparity] = invalid;
-  apply(disparity, table, out);
+  out.create(disparity.size());
+  for (int y = 0; y < disparity.rows; ++y) {
+    const std::uint16_t* in = disparity[y];
+    float* row = out[y];
+    for (int x = 0; x < disparity.cols; ++x) {
+      const auto value = static_cast<float>(static_cast<double>(in[x]) / kDisparityScale + offset);
+      row[x] = in[x] == kNoDisparity ? invalid : value;
+    }
+  }
 }
 
 void to_depth(const cv::Mat1w& disparity, const Reprojection& r, cv::Mat1f& out) {

@@ -94,21 +94,19 @@ sensor_msgs::ImagePtr to_image(const cv::Mat& image, const std_msgs::Header& hea
   return cv_bridge::CvImage(header, encoding, image).toImageMsg();
 }
 
-stereo_msgs::DisparityImagePtr to_disparity_image(const cv::Mat1w& disparity,
-                                                  const StereoGeometry& geometry,
-                                                  const Parameters& parameters,
-                                                  const std_msgs::Header& header) {
+void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geometry,
+                        const Parameters& parameters, const std_msgs::Header& header,
+                        stereo_msgs::DisparityImage& message) {
   const Reprojection r = make_reprojection(geometry, parameters.min_disparity);
-  auto message = boost::make_shared<stereo_msgs::DisparityImage>();
-  message->header = header;
-  message->f = static_cast<float>(geometry.fx);
-  message->T = static_cast<float>(geometry.baseline);
-  message->min_disparity = static_cast<float>(r.offset);
-  message->max_disparity = static_cast<float>(r.offset + parameters.disparity_range - 1);
-  message->delta_d = parameters.subpixel ? 1.0F / kDisparityScale : 1.0F;
-  message->valid_window = valid_window(disparity.size(), parameters);
+  message.header = header;
+  message.f = static_cast<float>(geometry.fx);
+  message.T = static_cast<float>(geometry.baseline);
+  message.min_disparity = static_cast<float>(r.offset);
+  message.max_disparity = static_cast<float>(r.offset + parameters.disparity_range - 1);
+  message.delta_d = parameters.subpixel ? 1.0F / kDisparityScale : 1.0F;
+  message.valid_window = valid_window(disparity.size(), parameters);
 
-  sensor_msgs::Image& image = message->image;
+  sensor_msgs::Image& image = message.image;
   image.header = header;
   image.height = static_cast<std::uint32_t>(disparity.rows);
   image.width = static_cast<std::uint32_t>(disparity.cols);
@@ -118,31 +116,29 @@ stereo_msgs::DisparityImagePtr to_disparity_image(const cv::Mat1w& disparity,
   image.data.resize(static_cast<std::size_t>(image.step) * image.height);
   cv::Mat1f values(disparity.rows, disparity.cols, reinterpret_cast<float*>(image.data.data()),
                    image.step);
-  to_float(disparity, r.offset, message->min_disparity - 1.0F, values);
-  return message;
+  to_float(disparity, r.offset, message.min_disparity - 1.0F, values);
 }
 
-sensor_msgs::PointCloud2Ptr to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r,
-                                            const cv::Mat& color, const CloudLayout& layout,
-                                            const std_msgs::Header& header) {
+void to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
+                     const CloudLayout& layout, const std_msgs::Header& header,
+                     sensor_msgs::PointCloud2& message) {
   Cloud cloud;
+  cloud.data.swap(message.data);  // its memory
   to_cloud(disparity, r, color, layout, cloud);
-  auto message = boost::make_shared<sensor_msgs::PointCloud2>();
-  message->header = header;
-  message->width = static_cast<std::uint32_t>(cloud.width);
-  message->height = static_cast<std::uint32_t>(cloud.height);
-  message->fields = {field("x", 0), field("y", 4), field("z", 8)};
+  message.data.swap(cloud.data);
+  message.header = header;
+  message.width = static_cast<std::uint32_t>(cloud.width);
+  message.height = static_cast<std::uint32_t>(cloud.height);
+  message.fields = {field("x", 0), field("y", 4), field("z", 8)};
   if (layout.color == PointColor::kRgb) {
-    message->fields.push_back(field("rgb", layout.color_offset()));
+    message.fields.push_back(field("rgb", layout.color_offset()));
   } else if (layout.color == PointColor::kMono) {
-    message->fields.push_back(field("intensity", layout.color_offset()));
+    message.fields.push_back(field("intensity", layout.color_offset()));
   }
-  message->point_step = static_cast<std::uint32_t>(layout.point_step());
-  message->row_step = message->point_step * message->width;
-  message->is_bigendian = 0;
-  message->is_dense = !layout.organized;
-  message->data = std::move(cloud.data);
-  return message;
+  message.point_step = static_cast<std::uint32_t>(layout.point_step());
+  message.row_step = message.point_step * message.width;
+  message.is_bigendian = 0;
+  message.is_dense = !layout.organized;
 }
 
 }  // namespace fpga_stereo

@@ -1,8 +1,5 @@
 #include "fpga_stereo/ros/outputs.hpp"
 
-#include <sensor_msgs/PointCloud2.h>
-#include <stereo_msgs/DisparityImage.h>
-
 #include "fpga_stereo/core/convert.hpp"
 #include "fpga_stereo/ros/conversions.hpp"
 
@@ -71,8 +68,9 @@ void Outputs::publish(const StereoFrame& frame) {
 
   const Parameters& parameters = frame.settings.pipeline;
   if (disparity_.getNumSubscribers() > 0) {
-    disparity_.publish(
-        to_disparity_image(frame.disparity, frame.geometry, parameters, frame.left.header));
+    const auto message = disparities_.take();
+    to_disparity_image(frame.disparity, frame.geometry, parameters, frame.left.header, *message);
+    disparity_.publish(message);
   }
   publish_depth(frame);
   if (disparity_color_.getNumSubscribers() > 0) {
@@ -113,9 +111,11 @@ void Outputs::publish_cloud(const StereoFrame& frame) {
   if (settings.cloud_max_rate > 0 && early) return;
   last_cloud_ = frame.left.header.stamp;
   const cv::Mat& color = frame.left.rect_color.empty() ? frame.left.rect : frame.left.rect_color;
-  points2_.publish(to_point_cloud2(
-      frame.disparity, make_reprojection(frame.geometry, settings.pipeline.min_disparity), color,
-      settings.cloud, frame.left.header));
+  const auto message = clouds_.take();
+  to_point_cloud2(frame.disparity,
+                  make_reprojection(frame.geometry, settings.pipeline.min_disparity), color,
+                  settings.cloud, frame.left.header, *message);
+  points2_.publish(message);
 }
 
 }  // namespace fpga_stereo

@@ -145,5 +145,54 @@ TEST(Cloud, OffsetDecidesWhatIsInFront) {
   EXPECT_FLOAT_EQ(float_at(cloud, l, 0, 8), 24);
 }
 
+/// The formula, a pixel at a time.
+TEST(Cloud, EveryLayoutAndKindOfImage) {
+  const cv::Size size(13, 7);
+  cv::RNG rng(5);
+  cv::Mat1w disparity(size);
+  for (auto& value : disparity) {
+    value =
+        rng.uniform(0, 4) == 0 ? kNoDisparity : static_cast<std::uint16_t>(rng.uniform(0, 8161));
+  }
+  Reprojection r = kCamera;
+  r.offset = -20.5;
+  for (const cv::Mat& image :
+       {cv::Mat(random_image(size, 6)), cv::Mat(random_color_image(size, 7))}) {
+    for (const PointColor color : {PointColor::kRgb, PointColor::kMono, PointColor::kNone}) {
+      for (int kind = 0; kind < 4; ++kind) {
+        const CloudLayout l = layout(color, (kind & 1) != 0, (kind & 2) != 0, 1 + kind % 3);
+        Cloud cloud;
+        to_cloud(disparity, r, image, l, cloud);
+        int point = 0;
+        for (int y = 0; y < size.height; y += l.decimation) {
+          for (int x = 0; x < size.width; x += l.decimation) {
+            const double d = disparity(y, x) / 32.0 - 20.5;
+            const bool valid = disparity(y, x) != kNoDisparity && d > 0;
+            if (!valid && !l.organized) continue;
+            if (valid) {
+              ASSERT_EQ(float_at(cloud, l, point, 0), static_cast<float>((x - 2) * (0.12 / d)));
+              ASSERT_FLOAT_EQ(float_at(cloud, l, point, 4), static_cast<float>((y - 1) * 0.06 / d));
+              ASSERT_EQ(float_at(cloud, l, point, 8), static_cast<float>(400 * (0.12 / d)));
+            } else {
+              ASSERT_TRUE(std::isnan(float_at(cloud, l, point, 8)));
+            }
+            if (color == PointColor::kRgb) {
+              const std::uint8_t* pixel = image.ptr(y, x);
+              const std::uint8_t* bytes =
+                  cloud.data.data() + point * l.point_step() + l.color_offset();
+              ASSERT_EQ(bytes[0], pixel[0]);
+              ASSERT_EQ(bytes[1], image.channels() == 3 ? pixel[1] : pixel[0]);
+              ASSERT_EQ(bytes[2], image.channels() == 3 ? pixel[2] : pixel[0]);
+              ASSERT_EQ(bytes[3], 0);
+            }
+            ++point;
+          }
+        }
+        ASSERT_EQ(static_cast<int>(cloud.data.size()), point * l.point_step());
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace fpga_stereo::test

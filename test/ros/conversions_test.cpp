@@ -8,8 +8,11 @@
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <cstring>
+#include <set>
+#include <vector>
 
 #include "fpga_stereo/core/stages.hpp"
+#include "fpga_stereo/ros/message_pool.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {
@@ -33,21 +36,28 @@ std::vector<float> values(const stereo_msgs::DisparityImage& message) {
   return result;
 }
 
+stereo_msgs::DisparityImage disparity_message(const cv::Mat1w& disparity, const StereoGeometry& g,
+                                              const Parameters& parameters) {
+  stereo_msgs::DisparityImage message;
+  to_disparity_image(disparity, g, parameters, {}, message);
+  return message;
+}
+
 TEST(Conversions, DisparityImageHasValuesMarkerAndRange) {
   const cv::Mat1w disparity = (cv::Mat1w(1, 4) << 0, 32, 33, kNone);
   Parameters parameters;
-  const auto message = to_disparity_image(disparity, geometry({4, 1}), parameters, {});
-  EXPECT_EQ(values(*message), (std::vector<float>{0, 1, 1.03125F, -1}));
-  EXPECT_EQ(message->min_disparity, 0);
-  EXPECT_EQ(message->max_disparity, 63);
-  EXPECT_EQ(message->f, 400);
-  EXPECT_EQ(message->T, 0.25F);
+  const auto message = disparity_message(disparity, geometry({4, 1}), parameters);
+  EXPECT_EQ(values(message), (std::vector<float>{0, 1, 1.03125F, -1}));
+  EXPECT_EQ(message.min_disparity, 0);
+  EXPECT_EQ(message.max_disparity, 63);
+  EXPECT_EQ(message.f, 400);
+  EXPECT_EQ(message.T, 0.25F);
 
   parameters.min_disparity = -16;
-  const auto shifted = to_disparity_image(disparity, geometry({4, 1}), parameters, {});
-  EXPECT_EQ(values(*shifted), (std::vector<float>{-16, -15, -14.96875F, -17}));
-  EXPECT_EQ(shifted->min_disparity, -16);
-  EXPECT_EQ(shifted->max_disparity, 47);
+  const auto shifted = disparity_message(disparity, geometry({4, 1}), parameters);
+  EXPECT_EQ(values(shifted), (std::vector<float>{-16, -15, -14.96875F, -17}));
+  EXPECT_EQ(shifted.min_disparity, -16);
+  EXPECT_EQ(shifted.max_disparity, 47);
 }
 
 TEST(Conversions, OffsetOfThePrincipalPointsIsSubtractedOnce) {
@@ -55,22 +65,55 @@ TEST(Conversions, OffsetOfThePrincipalPointsIsSubtractedOnce) {
   StereoGeometry g = geometry({2, 1});
   g.cx = 5;
   g.cx_right = 3;
-  const auto message = to_disparity_image(disparity, g, {}, {});
-  EXPECT_EQ(values(*message), (std::vector<float>{8, -3}));
-  EXPECT_EQ(message->min_disparity, -2);
-  EXPECT_EQ(message->max_disparity, 61);
+  const auto message = disparity_message(disparity, g, {});
+  EXPECT_EQ(values(message), (std::vector<float>{8, -3}));
+  EXPECT_EQ(message.min_disparity, -2);
+  EXPECT_EQ(message.max_disparity, 61);
   // The cloud is of the same disparity: Z = f T / (x_l - x_r - (cx_l - cx_r)).
-  const auto cloud =
-      to_point_cloud2(disparity, make_reprojection(g, 0), cv::Mat1b::zeros(1, 2), {}, {});
+  sensor_msgs::PointCloud2 cloud;
+  to_point_cloud2(disparity, make_reprojection(g, 0), cv::Mat1b::zeros(1, 2), {}, {}, cloud);
   float z = 0;
-  std::memcpy(&z, &cloud->data[8], sizeof z);
+  std::memcpy(&z, &cloud.data[8], sizeof z);
   EXPECT_FLOAT_EQ(z, 400 * 0.25 / 8);
+}
+
+TEST(Conversions, AMessageThatIsUsedAgainIsAsNew) {
+  const StereoGeometry large = geometry({6, 4}), small = geometry({3, 2});
+  const cv::Mat1w first(large.image_size, std::uint16_t{320}), second(small.image_size, kNone);
+  const CloudLayout other{PointColor::kMono, false, true, 1};
+  sensor_msgs::PointCloud2 used, fresh;
+  to_point_cloud2(first, make_reprojection(large, 0), cv::Mat1b(4, 6, std::uint8_t{200}), {}, {},
+                  used);
+  for (auto* cloud : {&used, &fresh}) {
+    to_point_cloud2(second, make_reprojection(small, 0), cv::Mat1b(2, 3, std::uint8_t{9}), other,
+                    {}, *cloud);
+  }
+  EXPECT_TRUE(used.data == fresh.data);
+  EXPECT_EQ(used.fields.size(), fresh.fields.size());
+  EXPECT_EQ(used.row_step, fresh.row_step);
+  stereo_msgs::DisparityImage used_image = disparity_message(first, large, {});
+  to_disparity_image(second, small, {}, {}, used_image);
+  EXPECT_EQ(values(used_image), values(disparity_message(second, small, {})));
+}
+
+TEST(Conversions, AMessageIsTakenAgainWhenNobodyHoldsIt) {
+  MessagePool<sensor_msgs::PointCloud2> pool;
+  auto first = pool.take();
+  const auto* const memory = first.get();
+  EXPECT_NE(pool.take().get(), memory) << "it is held";
+  first.reset();
+  EXPECT_EQ(pool.take().get(), memory);
+  std::vector<boost::shared_ptr<sensor_msgs::PointCloud2>> held;
+  for (int i = 0; i < 10; ++i) held.push_back(pool.take());
+  std::set<const void*> different;
+  for (const auto& message : held) different.insert(message.get());
+  EXPECT_EQ(different.size(), 10U);
 }
 
 TEST(Conversions, ValidWindowLiesInTheImage) {
   Parameters parameters;
   const auto window = [&](cv::Size size) {
-    return to_disparity_image(cv::Mat1w(size, kNone), geometry(size), parameters, {})->valid_window;
+    return disparity_message(cv::Mat1w(size, kNone), geometry(size), parameters).valid_window;
   };
   auto w = window({640, 480});
   EXPECT_EQ(w.x_offset, 64U + 7 - 1);

@@ -21,8 +21,11 @@ struct CloudLayout {
   bool organized = true;  // as the image, NaN where there is no point; else valid points only
   int decimation = 1;     // every n-th column of every n-th row
 
-  int color_offset() const { return padded ? 16 : 12; }
-  int point_step() const;
+  constexpr int color_offset() const { return padded ? 16 : 12; }
+  constexpr int point_step() const {
+    if (padded) return color == PointColor::kNone ? 16 : 32;
+    return color == PointColor::kNone ? 12 : 16;
+  }
 };
 
 struct Cloud {
@@ -33,7 +36,7 @@ struct Cloud {
 /// Points in metres: x right, y down, z forward from the left camera. `color` is the left
 /// rectified image, 8UC1 or 8UC3 (bgr), of the size of the disparity (may be empty for kNone); it
 /// also fills points without a place. A point is valid where there is a disparity and its depth is
-/// positive. layout.decimation must be 1 or more.
+/// positive. layout.decimation must be 1 or more. `out` may be used again: its memory is kept.
 void to_cloud(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
               const CloudLayout& layout, Cloud& out);
 

@@ -12,7 +12,7 @@ constexpr const char* kScalarTarget = "scalar";  // the reference, plain C++
 constexpr const char* kTargetVariable = "FPGA_STEREO_TARGET";
 
 /// What this machine and this build can do, best first, as google/highway names it (AVX3_DL, AVX3,
-/// AVX2, SSE4, SSSE3, NEON; AVX3 is AVX-512); the last one is "scalar".
+/// AVX2, SSE4, NEON; AVX3 is AVX-512); the last one is "scalar".
 std::vector<std::string> targets();
 
 /// What is computed with: the best, unless FPGA_STEREO_TARGET or choose_target() says otherwise.

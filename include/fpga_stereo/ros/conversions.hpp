@@ -32,14 +32,14 @@ sensor_msgs::ImagePtr to_image(const cv::Mat& image, const std_msgs::Header& hea
 
 /// Fields as stereo_image_proc fills them; where they differ: valid_window is computed from the
 /// size of the image, delta_d is our step, the offset of the principal points is subtracted once.
-stereo_msgs::DisparityImagePtr to_disparity_image(const cv::Mat1w& disparity,
-                                                  const StereoGeometry& geometry,
-                                                  const Parameters& parameters,
-                                                  const std_msgs::Header& header);
+/// Of a message that is used again all is written.
+void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geometry,
+                        const Parameters& parameters, const std_msgs::Header& header,
+                        stereo_msgs::DisparityImage& message);
 
-/// Fields x, y, z and, by layout, rgb or intensity.
-sensor_msgs::PointCloud2Ptr to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r,
-                                            const cv::Mat& color, const CloudLayout& layout,
-                                            const std_msgs::Header& header);
+/// Fields x, y, z and, by layout, rgb or intensity. Of a message that is used again all is written.
+void to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
+                     const CloudLayout& layout, const std_msgs::Header& header,
+                     sensor_msgs::PointCloud2& message);
 
 }  // namespace fpga_stereo

@@ -3,10 +3,13 @@
 
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <stereo_msgs/DisparityImage.h>
 
 #include <functional>
 
 #include "fpga_stereo/ros/frame.hpp"
+#include "fpga_stereo/ros/message_pool.hpp"
 
 namespace fpga_stereo {
 
@@ -38,6 +41,8 @@ class Outputs {
   image_transport::Publisher depth_, disparity_color_;
   ros::Publisher depth_info_, disparity_, points2_;
   ros::Time last_cloud_;  // stamp
+  MessagePool<sensor_msgs::PointCloud2> clouds_;
+  MessagePool<stereo_msgs::DisparityImage> disparities_;
 };
 
 }  // namespace fpga_stereo

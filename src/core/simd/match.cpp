@@ -120,8 +120,6 @@ template <std::size_t kPlanes>
 HWY_INLINE void hamming_groups(const HammingRow& row, int x0, int x1, std::uint8_t* slot,
                                std::int16_t* columns) {
   switch (row.padded / kLaneGroup) {
-    case 1:
-      return hamming_planes<kPlanes, 1>(row, x0, x1, slot, columns);
     case 2:
       return hamming_planes<kPlanes, 2>(row, x0, x1, slot, columns);
     case 4:

@@ -132,8 +132,6 @@ HWY_INLINE void select_left_groups(const SumRing& sums, int x0, int x1, const Se
 
 void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
   switch (sums.padded / kLaneGroup) {
-    case 1:
-      return select_left_groups<1>(sums, x0, x1, out);
     case 2:
       return select_left_groups<2>(sums, x0, x1, out);
     case 4:
