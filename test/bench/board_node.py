@@ -16,9 +16,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 def enter_environment(build):
     """That of the built tree, in a new Python."""
-    if "BOARD_NODE" in os.environ:
+    if "FPGA_STEREO_BENCH" in os.environ:
         return
-    os.environ.update(BOARD_NODE="1", ROS_HOSTNAME="localhost",
+    os.environ.update(FPGA_STEREO_BENCH="1", ROS_HOSTNAME="localhost",
                       PATH="/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin")
     command = f". {build}/devel/setup.sh && exec python3 \"$@\""
     os.execvp("bash", ["bash", "-c", command, *sys.argv[:1], *sys.argv])
