@@ -15,7 +15,6 @@ using Point = std::array<float, 8>;
 /// What stands in the fourth or fifth field of a point.
 template <PointColor kColor, int kChannels>
 float color_field(const std::uint8_t* pixel) {
-  if constexpr (kColor == PointColor::kNone) return 0;
   if constexpr (kColor == PointColor::kMono && kChannels == 1) return pixel[0];
   if constexpr (kColor == PointColor::kMono) {
     // ITU-R BT.601, as OpenCV converts BGR to grey.

@@ -86,6 +86,15 @@ bool GatewareBuild::operator==(const GatewareBuild& other) const {
          mesh_nodes == other.mesh_nodes;
 }
 
+Parameters parameters_of(const GatewareBuild& build) {
+  Parameters parameters;
+  parameters.disparity_range = build.disparities;
+  parameters.census_window_size = build.census_window;
+  parameters.census_pattern = build.census_pattern;
+  parameters.correlation_window_size = build.correlation_window;
+  return parameters;
+}
+
 std::string hex(std::uint32_t value) {
   std::ostringstream text;
   text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;

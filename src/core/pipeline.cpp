@@ -27,30 +27,22 @@ Status validate_image(const cv::Mat& raw, const StereoRectification& rectificati
   return {};
 }
 
-#ifdef FPGA_STEREO_SIMD
-
 void rectify_in_bands(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified) {
   CV_Assert(raw.type() == CV_8UC1 || raw.type() == CV_8UC3);
   rectified.create(mesh.size, raw.type());
   const bool scalar = target() == kScalarTarget;
   in_bands(mesh.size.height, num_threads, [&](int, cv::Range rows) {
     if (scalar) return rectify(raw, mesh, rows, rectified);
+#ifdef FPGA_STEREO_SIMD
     for (int y = rows.start; y < rows.end; ++y) simd::rectify_row(raw, mesh, y, rectified.ptr(y));
+#endif
   });
 }
 
+#ifdef FPGA_STEREO_SIMD
 class Pipeline::Simd : public simd::Frame {};
-
 #else
-
-void rectify_in_bands(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified) {
-  rectified.create(mesh.size, raw.type());
-  in_bands(mesh.size.height, num_threads,
-           [&](int, cv::Range rows) { rectify(raw, mesh, rows, rectified); });
-}
-
 class Pipeline::Simd {};
-
 #endif
 
 Pipeline::Pipeline() = default;

@@ -23,14 +23,9 @@ bool wants_raw(const CameraDemand& d) { return d.mono || d.color; }
 
 /// What a board can do whatever the calibration: its own search, images as they are.
 Result<GatewareConfiguration> raw_configuration(const GatewareBuild& build, cv::Size size) {
-  Parameters parameters;
-  parameters.disparity_range = build.disparities;
-  parameters.census_window_size = build.census_window;
-  parameters.census_pattern = build.census_pattern;
-  parameters.correlation_window_size = build.correlation_window;
   StereoGeometry geometry;
   geometry.image_size = size;
-  return configuration(build, parameters, no_rectification(geometry, 0));
+  return configuration(build, parameters_of(build), no_rectification(geometry, 0));
 }
 
 }  // namespace

@@ -6,15 +6,6 @@
 
 namespace fpga_stereo::tools {
 
-Parameters parameters_of(const GatewareBuild& build) {
-  Parameters parameters;
-  parameters.disparity_range = build.disparities;
-  parameters.census_window_size = build.census_window;
-  parameters.census_pattern = build.census_pattern;
-  parameters.correlation_window_size = build.correlation_window;
-  return parameters;
-}
-
 cv::Size parse_size(const std::string& text) {
   int width = 0, height = 0;
   char end = 0;

@@ -9,9 +9,6 @@
 
 namespace fpga_stereo::tools {
 
-/// Default parameters, but for those that the build fixes.
-Parameters parameters_of(const GatewareBuild& build);
-
 /// "640x480". Throws UsageError.
 cv::Size parse_size(const std::string& text);
 

@@ -33,6 +33,9 @@ struct GatewareBuild {
   bool operator==(const GatewareBuild& other) const;
 };
 
+/// Default parameters, but for those that the build fixes.
+Parameters parameters_of(const GatewareBuild& build);
+
 struct RegisterWrite {
   std::uint32_t address;  // of the word
   std::uint32_t value;
