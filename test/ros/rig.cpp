@@ -4,6 +4,7 @@
 
 #include "fpga_stereo/core/reference_pipeline.hpp"
 #include "fpga_stereo/ros/conversions.hpp"
+#include "ros/graph.hpp"
 #include "support/images.hpp"
 
 namespace fpga_stereo::test {
@@ -94,7 +95,8 @@ ros::Time Rig::publish(PairMessages pair, bool keep_stamps) {
 bool Rig::node_listens() {
   return eventually([this] {
     return left_.getNumSubscribers() > 0 && right_.getNumSubscribers() > 0 &&
-           left_info_.getNumSubscribers() > 0 && right_info_.getNumSubscribers() > 0;
+           left_info_.getNumSubscribers() > 0 && right_info_.getNumSubscribers() > 0 &&
+           all_links_are_up();
   });
 }
 

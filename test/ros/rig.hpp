@@ -96,7 +96,8 @@ class Rig {
   ros::NodeHandle& nh() { return nh_; }
   /// Publishes with a fresh stamp, or with those of the messages where `keep_stamps`.
   ros::Time publish(PairMessages pair, bool keep_stamps = false);
-  /// Waits until the node listens to all four topics, or to none.
+  /// Waits until the node listens to all four topics and sends to every listener; or listens to
+  /// none.
   bool node_listens();
   bool node_is_deaf();
   /// Sets parameters by name and text; the configuration that the node answers.
