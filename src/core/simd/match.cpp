@@ -13,8 +13,8 @@ namespace fpga_stereo::simd::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D8 = hn::CappedTag<std::uint8_t, kLaneGroup>;
-using V8 = hn::Vec<D8>;
+using Group = hn::CappedTag<std::uint8_t, kLaneGroup>;
+using TwoGroups = hn::CappedTag<std::uint8_t, 2 * kLaneGroup>;
 using D16 = hn::CappedTag<std::uint16_t, kLaneGroup>;
 using V16 = hn::Vec<D16>;
 
@@ -24,108 +24,121 @@ constexpr bool kCountsBits = true;
 constexpr bool kCountsBits = false;
 #endif
 
-/// Sums of three bits: of weight 1 and 2.
-struct Sum {
-  V8 ones, twos;
-};
-HWY_INLINE Sum add_bits(V8 a, V8 b, V8 c) {
-  const V8 half = hn::Xor(a, b);
-  return {hn::Xor(half, c), hn::Or(hn::And(a, b), hn::And(half, c))};
-}
+/// Adders of vectors of bits (H. S. Warren, "Hacker's Delight", 5-1). vector(k) makes the k-th when
+/// it is added, so that few are alive at a time.
+template <class V, class Vectors>
+struct Adders {
+  const Vectors& vector;
+  std::array<V, 4> sums;  // of weight 1, 2, 4, 8
 
-/// Bits set in kCount bytes per lane. Where counting is dear, a tree of adders comes first
-/// (H. S. Warren, "Hacker's Delight", 5-1).
-template <std::size_t kCount>
-HWY_INLINE V8 count_bits(const std::array<V8, kCount>& bytes) {
-  const D8 d;
-  if constexpr (kCount == 0) {
-    return hn::Zero(d);
-  } else if constexpr (kCountsBits || kCount < 3) {
-    V8 sum = hn::PopulationCount(bytes[0]);
-    for (std::size_t k = 1; k < kCount; ++k) sum = hn::Add(sum, hn::PopulationCount(bytes[k]));
-    return sum;
-  } else {
-    constexpr std::size_t kSums = (kCount - 1) / 2;
-    std::array<V8, kSums> twos;
-    V8 ones = bytes[0];
-    for (std::size_t k = 0; k < kSums; ++k) {
-      const Sum sum = add_bits(ones, bytes[2 * k + 1], bytes[2 * k + 2]);
-      ones = sum.ones;
-      twos[k] = sum.twos;
+  /// Adds 2^kLevel vectors; what is carried has this weight.
+  template <int kLevel, std::size_t kFirst>
+  HWY_INLINE V carry() {
+    if constexpr (kLevel == 0) {
+      return vector(kFirst);
+    } else {
+      const V a = carry<kLevel - 1, kFirst>();
+      const V b = carry<kLevel - 1, kFirst + (std::size_t{1} << (kLevel - 1))>();
+      V& sum = sums[kLevel - 1];
+      const V half = hn::Xor(sum, a);
+      const V carried = hn::Or(hn::And(sum, a), hn::And(half, b));
+      sum = hn::Xor(half, b);
+      return carried;
     }
-    V8 rest = hn::PopulationCount(ones);
-    if constexpr (kCount % 2 == 0) rest = hn::Add(rest, hn::PopulationCount(bytes[kCount - 1]));
-    const V8 pairs = count_bits<kSums>(twos);
-    return hn::Add(rest, hn::Add(pairs, pairs));
   }
+};
+
+/// Bits that are set in kCount bytes per lane.
+template <std::size_t kCount, std::size_t kFirst, class V, class Vectors>
+HWY_INLINE V count_bits(const Vectors& vector) {
+  constexpr int kWeights = kCountsBits || kCount < 3 ? 1 : kCount < 7 ? 2 : kCount < 15 ? 3 : 4;
+  constexpr std::size_t kAdded = (std::size_t{1} << kWeights) - 1;
+  Adders<V, Vectors> adders{vector, {}};
+  auto& sums = adders.sums;
+  sums[0] = adders.template carry<0, kFirst>();
+  if constexpr (kWeights > 1) sums[1] = adders.template carry<1, kFirst + 1>();
+  if constexpr (kWeights > 2) sums[2] = adders.template carry<2, kFirst + 3>();
+  if constexpr (kWeights > 3) sums[3] = adders.template carry<3, kFirst + 7>();
+  V count = hn::PopulationCount(sums[kWeights - 1]);
+  for (std::size_t k = kWeights - 1; k-- > 0;) {
+    count = hn::Add(hn::Add(count, count), hn::PopulationCount(sums[k]));
+  }
+  if constexpr (kCount > kAdded) {
+    count = hn::Add(count, count_bits<kCount - kAdded, kFirst + kAdded, V>(vector));
+  }
+  return count;
 }
 
 /// columns += entering - leaving, each of which is at most 120.
-HWY_INLINE void change(V8 entering, V8 leaving, std::int16_t* columns) {
-  const hn::RebindToSigned<D8> d8s;
+template <class D>
+HWY_INLINE void change(D /*d*/, hn::Vec<D> entering, hn::Vec<D> leaving, std::int16_t* columns) {
+  const hn::RebindToSigned<D> d8s;
   const auto difference = hn::BitCast(d8s, hn::Sub(entering, leaving));
-#if HWY_MAX_BYTES >= 64
-  const hn::Rebind<std::int16_t, D8> d16;
-  hn::StoreU(hn::Add(hn::LoadU(d16, columns), hn::PromoteTo(d16, difference)), d16, columns);
-#else
-  const hn::Half<decltype(d8s)> half;
-  const hn::Rebind<std::int16_t, decltype(half)> d16;
-  const auto lower = hn::PromoteTo(d16, hn::LowerHalf(half, difference));
-  const auto upper = hn::PromoteTo(d16, hn::UpperHalf(half, difference));
-  std::int16_t* second = columns + hn::Lanes(d16);
-  hn::StoreU(hn::Add(hn::LoadU(d16, columns), lower), d16, columns);
-  hn::StoreU(hn::Add(hn::LoadU(d16, second), upper), d16, second);
-#endif
+  if constexpr (2 * hn::MaxLanes(D()) <= HWY_MAX_BYTES) {
+    const hn::Rebind<std::int16_t, D> d16;
+    hn::StoreU(hn::Add(hn::LoadU(d16, columns), hn::PromoteTo(d16, difference)), d16, columns);
+  } else {
+    const hn::Half<decltype(d8s)> half;
+    const hn::Rebind<std::int16_t, decltype(half)> d16;
+    const auto lower = hn::PromoteTo(d16, hn::LowerHalf(half, difference));
+    const auto upper = hn::PromoteTo(d16, hn::UpperHalf(half, difference));
+    std::int16_t* second = columns + hn::Lanes(d16);
+    hn::StoreU(hn::Add(hn::LoadU(d16, columns), lower), d16, columns);
+    hn::StoreU(hn::Add(hn::LoadU(d16, second), upper), d16, second);
+  }
 }
 
-template <std::size_t kPlanes, int kGroups>
-HWY_INLINE void hamming_planes(const HammingRow& row, int x0, int x1, std::uint8_t* slot,
-                               std::int16_t* columns) {
-  const D8 d;
-  const int padded = kGroups > 0 ? kGroups * kLaneGroup : row.padded;
+/// Some lanes of a column are no disparities (kEdge), or all are.
+template <class D, std::size_t kPlanes, bool kEdge, int kPadded = 0>
+HWY_INLINE void hamming_columns(const HammingRow row, int x0, int x1, std::uint8_t* slot,
+                                std::int16_t* columns) {
+  using V = hn::Vec<D>;
+  const D d;
+  const int padded = kPadded > 0 ? kPadded : row.padded;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto half = hn::Set(d, static_cast<std::uint8_t>(row.half));
   const auto number = hn::Iota(d, std::uint8_t{0});
-  const int outside = padded - row.range;  // the first lanes
-  for (int x = x0; x < x1; ++x) {
-    std::array<V8, kPlanes> left;
+  const auto first_of = [&](int count) {
+    return hn::Lt(number, hn::Set(d, static_cast<std::uint8_t>(std::min(count, lanes))));
+  };
+  slot += static_cast<std::ptrdiff_t>(x0) * padded;
+  columns += static_cast<std::ptrdiff_t>(x0) * padded;
+  for (int x = x0; x < x1; ++x, slot += padded, columns += padded) {
+    std::array<V, kPlanes> left;
     for (std::size_t k = 0; k < kPlanes; ++k) {
       left[k] = hn::Set(d, row.left[static_cast<std::ptrdiff_t>(k) * row.plane_pitch + x]);
     }
     const std::uint8_t* right = row.right + x - (padded - 1);
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * padded;
-    const int unseen = padded - 1 - x;  // the first lanes, if any
     for (int i = 0; i < padded; i += lanes) {
-      std::array<V8, kPlanes> differing;
-      for (std::size_t k = 0; k < kPlanes; ++k) {
+      const auto differing = [&](std::size_t k) HWY_ATTR {
         const std::uint8_t* plane = right + static_cast<std::ptrdiff_t>(k) * row.plane_pitch;
-        differing[k] = hn::Xor(left[k], hn::LoadU(d, plane + i));
+        return hn::Xor(left[k], hn::LoadU(d, plane + i));
+      };
+      V distance = count_bits<kPlanes, 0, V>(differing);
+      if constexpr (kEdge) {
+        const int unseen = padded - 1 - x - i, outside = padded - row.range - i;
+        const auto half = hn::Set(d, static_cast<std::uint8_t>(row.half));
+        if (unseen > 0) distance = hn::IfThenElse(first_of(unseen), half, distance);
+        if (outside > 0) distance = hn::IfThenZeroElse(first_of(outside), distance);
       }
-      V8 distance = count_bits<kPlanes>(differing);
-      if (HWY_UNLIKELY(i < unseen)) {
-        const auto last = hn::Set(d, static_cast<std::uint8_t>(std::min(unseen - i, lanes)));
-        distance = hn::IfThenElse(hn::Lt(number, last), half, distance);
-      }
-      if (HWY_UNLIKELY(i < outside)) {
-        const auto last = hn::Set(d, static_cast<std::uint8_t>(std::min(outside - i, lanes)));
-        distance = hn::IfThenZeroElse(hn::Lt(number, last), distance);
-      }
-      change(distance, hn::LoadU(d, slot + at + i), columns + at + i);
-      hn::StoreU(distance, d, slot + at + i);
+      change(d, distance, hn::LoadU(d, slot + i), columns + i);
+      hn::StoreU(distance, d, slot + i);
     }
   }
 }
 
 template <std::size_t kPlanes>
-HWY_INLINE void hamming_groups(const HammingRow& row, int x0, int x1, std::uint8_t* slot,
+HWY_INLINE void hamming_planes(const HammingRow& row, int x0, int x1, std::uint8_t* slot,
                                std::int16_t* columns) {
-  switch (row.padded / kLaneGroup) {
-    case 2:
-      return hamming_planes<kPlanes, 2>(row, x0, x1, slot, columns);
-    case 4:
-      return hamming_planes<kPlanes, 4>(row, x0, x1, slot, columns);
-    default:
-      return hamming_planes<kPlanes, 0>(row, x0, x1, slot, columns);
+  // From here on every disparity has a right pixel.
+  const int inside = row.range == row.padded ? std::clamp(row.range - 1, x0, x1) : x1;
+  if (x0 < inside) hamming_columns<Group, kPlanes, true>(row, x0, inside, slot, columns);
+  if (inside == x1) return;
+  if (row.padded == 2 * kLaneGroup) {
+    hamming_columns<TwoGroups, kPlanes, false, 2 * kLaneGroup>(row, inside, x1, slot, columns);
+  } else if (row.padded % (2 * kLaneGroup) == 0) {
+    hamming_columns<TwoGroups, kPlanes, false>(row, inside, x1, slot, columns);
+  } else {
+    hamming_columns<Group, kPlanes, false>(row, inside, x1, slot, columns);
   }
 }
 
@@ -133,29 +146,30 @@ void hamming(const HammingRow& row, int x0, int x1, std::uint8_t* slot, std::int
   // The number of planes that a census of this window and pattern has.
   switch (row.planes) {
     case 1:
-      return hamming_groups<1>(row, x0, x1, slot, columns);
+      return hamming_planes<1>(row, x0, x1, slot, columns);
     case 3:
-      return hamming_groups<3>(row, x0, x1, slot, columns);
+      return hamming_planes<3>(row, x0, x1, slot, columns);
     case 6:
-      return hamming_groups<6>(row, x0, x1, slot, columns);
+      return hamming_planes<6>(row, x0, x1, slot, columns);
     case 10:
-      return hamming_groups<10>(row, x0, x1, slot, columns);
+      return hamming_planes<10>(row, x0, x1, slot, columns);
     default:
-      return hamming_groups<15>(row, x0, x1, slot, columns);
+      return hamming_planes<15>(row, x0, x1, slot, columns);
   }
 }
 
 void leave(int padded, int x0, int x1, std::uint8_t* slot, std::int16_t* columns) {
-  const D8 d;
+  const Group d;
   const std::ptrdiff_t end = static_cast<std::ptrdiff_t>(x1) * padded;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(x0) * padded; i < end; i += lanes) {
-    change(hn::Zero(d), hn::LoadU(d, slot + i), columns + i);
+    change(d, hn::Zero(d), hn::LoadU(d, slot + i), columns + i);
     hn::StoreU(hn::Zero(d), d, slot + i);
   }
 }
 
-void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing& sums) {
+void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing& ring) {
+  const SumRing sums = ring;  // no store can change this one
   constexpr std::size_t kParts = kLaneGroup / hn::MaxLanes(D16());
   const D16 d;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));

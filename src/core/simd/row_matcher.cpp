@@ -8,7 +8,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kColumns = 16;  // that are summed and selected from at a time: they stay in L1
+constexpr int kColumns = 32;  // that are summed and selected from at a time: they stay in L1
 constexpr std::uint16_t kNoSum = 0xFFFF;
 
 }  // namespace
@@ -41,7 +41,7 @@ void RowMatcher::start(const CensusPlanes& left, const CensusPlanes& right, int 
   column_ = columns_[0] + static_cast<std::ptrdiff_t>(radius_ + 1) * padded_;
 
   int rows = 1;
-  while (rows < padded_ + kLaneGroup + 2 * kColumns) rows *= 2;
+  while (rows < padded_ + kLaneGroup + kColumns) rows *= 2;
   const int pitch = padded_ + kLaneGroup;
   ring_.create(1, rows * pitch + kLaneGroup);
   ring_ = kNoSum;

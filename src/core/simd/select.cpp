@@ -18,31 +18,47 @@ using V16 = hn::Vec<D16>;
 using Block = hn::CappedTag<std::uint16_t, 8>;  // 128 bits
 using VBlock = hn::Vec<Block>;
 
-constexpr int kPixels = 8;  // that are worked on at a time
+constexpr std::size_t kPixels = 8;  // that are worked on at a time
 constexpr std::uint16_t kMost = 0xFFFF;
 
-/// The smallest lane of every position in a block.
-template <class D>
+struct Smaller {
+  template <class V>
+  HWY_INLINE V operator()(V a, V b) const {
+    return hn::Min(a, b);
+  }
+};
+struct Larger {
+  template <class V>
+  HWY_INLINE V operator()(V a, V b) const {
+    return hn::Max(a, b);
+  }
+};
+
+/// Of every position in a block.
+template <class Of, class D>
 HWY_INLINE VBlock fold(D /*d*/, hn::Vec<D> v) {
   if constexpr (hn::MaxLanes(D()) <= 8) {
     return v;
   } else {
     const hn::Half<D> half;
-    return fold(half, hn::Min(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+    return fold<Of>(half, Of()(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
   }
 }
 
-/// Lanes of a and b in turns, each the smaller of two; in every block.
+/// Lanes of a and b in turns, each of two; in every block.
+template <class Of>
 HWY_INLINE V16 pair(V16 a, V16 b) {
   const D16 d;
-  return hn::Min(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
+  return Of()(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
 }
 
-/// Lane k is the smallest lane of pixels[k].
-HWY_INLINE VBlock smallest(const std::array<V16, kPixels>& pixels) {
-  const V16 even = pair(pair(pixels[0], pixels[4]), pair(pixels[2], pixels[6]));
-  const V16 odd = pair(pair(pixels[1], pixels[5]), pair(pixels[3], pixels[7]));
-  return fold(D16(), pair(even, odd));
+/// Lane k is the smallest, or the largest, lane of pixels[k].
+template <class Of>
+HWY_INLINE VBlock extreme(const std::array<V16, kPixels>& pixels) {
+  const auto& p = pixels;
+  const V16 even = pair<Of>(pair<Of>(p[0], p[4]), pair<Of>(p[2], p[6]));
+  const V16 odd = pair<Of>(pair<Of>(p[1], p[5]), pair<Of>(p[3], p[7]));
+  return fold<Of>(D16(), pair<Of>(even, odd));
 }
 
 /// The sums from the winner + 2 down, by pixel -> by neighbour.
@@ -66,84 +82,111 @@ HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const Se
   hn::StoreU(low(even_last, odd_last), d, out.around[0] + x);
 }
 
-/// The disparities of lanes, and where a winner's neighbours are, as vectors to load.
-struct Tables {
-  std::array<std::uint16_t, 256 + kLaneGroup> disparities;  // 255 - i
-  std::array<std::uint16_t, 2 * 256 + kLaneGroup> neighbours;
-  Tables() {
-    for (std::size_t i = 0; i < disparities.size(); ++i) {
-      disparities[i] = static_cast<std::uint16_t>(255 - i);
-    }
-    neighbours.fill(0);
-    for (const std::size_t i : {255U, 256U, 257U}) neighbours[i] = kMost;
-  }
-};
+/// i + 1.
+constexpr auto kNumbers = [] {
+  std::array<std::uint16_t, 256> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint16_t>(i + 1);
+  return values;
+}();
+/// Where a winner in lane 256 and its neighbours are.
+constexpr auto kNeighbours = [] {
+  std::array<std::uint16_t, 2 * 256 + kLaneGroup> values{};
+  for (const std::size_t i : {255U, 256U, 257U}) values[i] = kMost;
+  return values;
+}();
 
+/// Pixels of a row, kPixels at a time, in three steps.
 template <int kGroups>
-HWY_INLINE void select_left_groups(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
-  static const Tables tables;
-  const D16 d;
-  const Block block;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int padded = kGroups > 0 ? kGroups * kLaneGroup : sums.padded;
-  const std::uint16_t* disparities = &tables.disparities[static_cast<std::size_t>(256 - padded)];
-  const auto most = hn::Set(d, kMost);
-  for (int x = x0; x < x1; x += kPixels) {
+struct SelectLeft {
+  const SumRing sums;
+  const SelectedRow out;
+  alignas(16) std::array<std::uint16_t, 2 * kPixels> ends{};  // of x: at x % (2 * kPixels)
+
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D16()));
+  HWY_INLINE int padded() const { return kGroups > 0 ? kGroups * kLaneGroup : sums.padded; }
+
+  HWY_INLINE void winner_sums(int x) const {
+    const D16 d;
+    std::array<V16, kPixels> pixels;
+    const std::uint16_t* s = sums.row(x);
+    for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
+      pixels[k] = hn::LoadU(d, s);
+      for (int i = kLanes; i < padded(); i += kLanes) {
+        pixels[k] = hn::Min(pixels[k], hn::LoadU(d, s + i));
+      }
+    }
+    hn::StoreU(extreme<Smaller>(pixels), Block(), out.winner_sum + x);
+  }
+
+  /// The lowest disparities with these sums; their lanes, the last ones, + 1 go into `ends`.
+  HWY_INLINE void winners(int x) {
+    const D16 d;
+    const Block block;
+    const hn::Rebind<std::uint8_t, Block> bytes;
+    std::array<V16, kPixels> pixels;
+    const std::uint16_t* s = sums.row(x);
+    for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
+      const auto sum = hn::Set(d, out.winner_sum[x + static_cast<int>(k)]);
+      pixels[k] = hn::Zero(d);
+      for (int i = 0; i < padded(); i += kLanes) {
+        const auto number = hn::LoadU(d, &kNumbers[static_cast<std::size_t>(i)]);
+        const auto wins = hn::Eq(hn::LoadU(d, s + i), sum);
+        pixels[k] = hn::Max(pixels[k], hn::IfThenElseZero(wins, number));
+      }
+    }
+    const auto end = extreme<Larger>(pixels);
+    hn::Store(end, block, &ends[static_cast<std::size_t>(x) % ends.size()]);
+    const auto winner = hn::Sub(hn::Set(block, static_cast<std::uint16_t>(padded())), end);
+    const auto signed_winner = hn::BitCast(hn::RebindToSigned<Block>(), winner);
+    hn::StoreU(hn::DemoteTo(bytes, signed_winner), bytes, out.winner + x);
+  }
+
+  HWY_INLINE void rivals(int x) const {
+    const D16 d;
     std::array<V16, kPixels> pixels;
     std::array<VBlock, kPixels> around;
-    for (int k = 0; k < kPixels; ++k) {
-      const std::uint16_t* s = sums.row(x + k);
-      V16 least = hn::LoadU(d, s);
-      for (int i = lanes; i < padded; i += lanes) least = hn::Min(least, hn::LoadU(d, s + i));
-      pixels[static_cast<std::size_t>(k)] = least;
-    }
-    hn::StoreU(smallest(pixels), block, out.winner_sum + x);
-
-    // The lowest of the disparities that have this sum.
-    for (int k = 0; k < kPixels; ++k) {
-      const std::uint16_t* s = sums.row(x + k);
-      const auto sum = hn::Set(d, out.winner_sum[x + k]);
-      V16 least = most;
-      for (int i = 0; i < padded; i += lanes) {
-        const auto wins = hn::Eq(hn::LoadU(d, s + i), sum);
-        least = hn::Min(least, hn::IfThenElse(wins, hn::LoadU(d, disparities + i), most));
+    const std::uint16_t* end = &ends[static_cast<std::size_t>(x) % ends.size()];
+    const std::uint16_t* s = sums.row(x);
+    for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
+      const std::uint16_t* neighbours = &kNeighbours[std::size_t{257} - end[k]];
+      pixels[k] = hn::Or(hn::LoadU(d, s), hn::LoadU(d, neighbours));
+      for (int i = kLanes; i < padded(); i += kLanes) {
+        const auto others = hn::Or(hn::LoadU(d, s + i), hn::LoadU(d, neighbours + i));
+        pixels[k] = hn::Min(pixels[k], others);
       }
-      pixels[static_cast<std::size_t>(k)] = least;
+      around[k] = hn::LoadU(Block(), s + end[k] - 3);
     }
-    alignas(16) std::array<std::uint16_t, kPixels> winners;
-    hn::Store(smallest(pixels), block, winners.data());
-
-    for (int k = 0; k < kPixels; ++k) {
-      const std::uint16_t* s = sums.row(x + k);
-      const int lane = padded - 1 - winners[static_cast<std::size_t>(k)];  // of the winner
-      const std::uint16_t* neighbours = &tables.neighbours[static_cast<std::size_t>(256 - lane)];
-      V16 least = most;
-      for (int i = 0; i < padded; i += lanes) {
-        least = hn::Min(least, hn::Or(hn::LoadU(d, s + i), hn::LoadU(d, neighbours + i)));
-      }
-      pixels[static_cast<std::size_t>(k)] = least;
-      out.winner[x + k] = static_cast<std::uint8_t>(winners[static_cast<std::size_t>(k)]);
-      around[static_cast<std::size_t>(k)] = hn::LoadU(block, s + lane - 2);
-    }
-    hn::StoreU(smallest(pixels), block, out.rival_sum + x);
+    hn::StoreU(extreme<Smaller>(pixels), Block(), out.rival_sum + x);
     store_around(around, out, x);
   }
-}
+
+  /// Each step is for other pixels than the one before, for whose end it would wait.
+  HWY_INLINE void run(int x0, int x1) {
+    constexpr int kStep = static_cast<int>(kPixels);
+    for (int x = x0; x < x1 + 2 * kStep; x += kStep) {
+      if (x < x1) winner_sums(x);
+      if (x0 < x && x < x1 + kStep) winners(x - kStep);
+      if (x0 + kStep < x) rivals(x - 2 * kStep);
+    }
+  }
+};
 
 void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
   switch (sums.padded / kLaneGroup) {
     case 2:
-      return select_left_groups<2>(sums, x0, x1, out);
+      return SelectLeft<2>{sums, out}.run(x0, x1);
     case 4:
-      return select_left_groups<4>(sums, x0, x1, out);
+      return SelectLeft<4>{sums, out}.run(x0, x1);
     default:
-      return select_left_groups<0>(sums, x0, x1, out);
+      return SelectLeft<0>{sums, out}.run(x0, x1);
   }
 }
 
+constexpr std::size_t kParts = kLaneGroup / hn::MaxLanes(D16());
+
 /// The running minimum of right pixels, and the left pixels that have it.
 struct Rightmost {
-  V16 least, partner;
+  std::array<V16, kParts> least, partner;
 };
 
 /// Left pixels x .. end - 1, whose rows follow one another; lane 0 is right pixel `first`.
@@ -154,9 +197,12 @@ HWY_INLINE void see_partners(const SumRing& sums, int first, int x, int end, Rig
   auto number = hn::Set(d, static_cast<std::uint16_t>(x));
   const auto one = hn::Set(d, std::uint16_t{1});
   for (; x < end; ++x, sum += sums.pitch - 1) {
-    const auto smaller = hn::Min(best.least, hn::LoadU(d, sum));
-    best.partner = hn::IfThenElse(hn::Eq(smaller, best.least), best.partner, number);
-    best.least = smaller;
+    for (std::size_t k = 0; k < kParts; ++k) {
+      const auto smaller = hn::Min(best.least[k], hn::LoadU(d, sum + k * hn::Lanes(d)));
+      const auto stays = hn::Eq(smaller, best.least[k]);
+      best.partner[k] = hn::IfThenElse(stays, best.partner[k], number);
+      best.least[k] = smaller;
+    }
     number = hn::Add(number, one);
   }
 }
@@ -165,14 +211,16 @@ void select_right(const SumRing& sums, int x0, int width, std::uint8_t* right_wi
   const D16 d;
   const hn::Rebind<std::uint8_t, D16> d8;
   const hn::RebindToSigned<D16> d16s;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int first = x0; first < x0 + kLaneGroup; first += lanes) {
-    const int end = std::min(first + lanes + sums.range - 1, width);
-    const int wrap = (first | sums.mask) + 1;  // there the ring begins anew
-    Rightmost best{hn::Set(d, kMost), hn::Zero(d)};
-    see_partners(sums, first, first, std::min(end, wrap), best);
-    if (wrap < end) see_partners(sums, first, wrap, end, best);
-    const auto disparity = hn::Sub(best.partner, hn::Iota(d, static_cast<std::uint16_t>(first)));
+  const int end = std::min(x0 + kLaneGroup + sums.range - 1, width);
+  const int wrap = (x0 | sums.mask) + 1;  // there the ring begins anew
+  Rightmost best;
+  best.least.fill(hn::Set(d, kMost));
+  best.partner.fill(hn::Zero(d));
+  see_partners(sums, x0, x0, std::min(end, wrap), best);
+  if (wrap < end) see_partners(sums, x0, wrap, end, best);
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const int first = x0 + static_cast<int>(k * hn::Lanes(d));
+    const auto disparity = hn::Sub(best.partner[k], hn::Iota(d, static_cast<std::uint16_t>(first)));
     const auto bytes = hn::BitCast(d16s, hn::And(disparity, hn::Set(d, std::uint16_t{0xFF})));
     hn::StoreU(hn::DemoteTo(d8, bytes), d8, right_winner + first);
   }
