@@ -120,10 +120,15 @@ TEST_P(Kernels, MatchAndSelect) {
 
 /// A row of what select could have found, and the same as images of the scalar twins.
 struct Selected {
-  explicit Selected(int width) : bytes(2, width + simd::kBorder), words(7, width + simd::kBorder) {
+  static constexpr int kMostDisparities = 256;
+  explicit Selected(int width)
+      : bytes(2, kMostDisparities + width + simd::kBorder), words(7, width + simd::kBorder) {
     create(images, {width, 1});
-    row = {
-        bytes[0], bytes[1], words[0], words[1], {words[2], words[3], words[4], words[5], words[6]}};
+    row = {bytes[0] + kMostDisparities,
+           bytes[1] + kMostDisparities,
+           words[0],
+           words[1],
+           {words[2], words[3], words[4], words[5], words[6]}};
   }
   void copy() {
     const int width = images.winner.cols;

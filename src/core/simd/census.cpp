@@ -22,10 +22,9 @@ void census_row(const std::uint8_t* image, int width, const std::vector<std::ptr
     std::uint8_t* out = planes + x;
     for (std::size_t first = 0; first < count; first += 8, out += plane_pitch) {
       auto bits = hn::Zero(d);
-      for (std::size_t k = first; k < std::min(first + 8, count); ++k) {
-        const auto bit = hn::Set(d, static_cast<std::uint8_t>(1U << (k - first)));
+      for (std::size_t k = std::min(first + 8, count); k-- > first;) {
         const auto smaller = hn::Lt(hn::LoadU(d, image + x + neighbours[k]), centre);
-        bits = hn::Or(bits, hn::IfThenElseZero(smaller, bit));
+        bits = hn::Sub(hn::Add(bits, bits), hn::VecFromMask(d, smaller));
       }
       hn::StoreU(bits, d, out);
     }

@@ -59,7 +59,8 @@ struct SumRing {
 /// the ring follow one another.
 void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing& sums);
 
-/// What select knows of a row, by pixel; kBorder bytes behind each.
+/// What select knows of a row, by pixel; kBorder bytes behind each, and before right_winner as many
+/// as there are disparities.
 struct SelectedRow {
   std::uint8_t *winner, *right_winner;
   std::uint16_t *winner_sum, *rival_sum;

@@ -32,28 +32,41 @@ HWY_INLINE V32 load(const std::uint16_t* from) {
 
 void check_row(const SelectedRow& s, int width, bool left_right, int most_difference,
                bool uniqueness, int factor, std::uint8_t* kept) {
-  const D32 d;
+  const hn::CappedTag<std::uint16_t, 2 * kMost> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const hn::RebindToSigned<decltype(d)> d_signed;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto one = hn::Set(d, 1);
+  const auto set = [&](int value)
+                       HWY_ATTR { return hn::Set(d, static_cast<std::uint16_t>(value)); };
+  const auto load8 = [&](const std::uint8_t* from)
+                         HWY_ATTR { return hn::PromoteTo(d, hn::LoadU(bytes, from)); };
   if (left_right) {
     // What the partners say, by plain loads: gathers are no faster.
-    for (int x = 0; x < width; ++x) kept[x] = s.right_winner[std::max(x - s.winner[x], 0)];
+    const std::uint8_t *winner = s.winner, *right = s.right_winner;
+    constexpr int kTurn = 8;
+    for (int first = 0; first < width; first += kTurn) {
+      for (int x = first; x < first + kTurn; ++x) kept[x] = right[x - winner[x]];
+    }
   }
   for (int x = 0; x < width; x += lanes) {
-    auto keep = one;
+    auto keep = set(1);
     if (left_right) {
-      const auto winner = load(s.winner + x);
-      const auto inside = hn::Gt(hn::Sub(hn::Iota(d, x), winner), hn::Set(d, -1));
-      const auto difference = hn::Abs(hn::Sub(load(kept + x), winner));
-      const auto agrees = hn::Lt(difference, hn::Set(d, most_difference + 1));
-      keep = hn::IfThenElseZero(hn::And(inside, agrees), keep);
+      const auto winner = load8(s.winner + x), partner = load8(kept + x);
+      const auto outside = hn::Lt(hn::Iota(d, static_cast<std::uint16_t>(x)), winner);
+      const auto difference = hn::Sub(hn::Max(winner, partner), hn::Min(winner, partner));
+      const auto differs = hn::Lt(set(most_difference), difference);
+      keep = hn::IfThenZeroElse(hn::Or(outside, differs), keep);
     }
     if (uniqueness) {
-      const auto rival = hn::Mul(load(s.rival_sum + x), hn::Set(d, kUniquenessScale));
-      const auto winner = hn::Mul(load(s.winner_sum + x), hn::Set(d, factor));
-      keep = hn::IfThenElseZero(hn::Gt(rival, winner), keep);
+      // kUniquenessScale rival > factor winner, where the product divided by the scale is enough.
+      static_assert(kUniquenessScale == 256);
+      const auto winner = hn::LoadU(d, s.winner_sum + x), rival = hn::LoadU(d, s.rival_sum + x);
+      const auto upper = hn::MulHigh(winner, set(factor)), lower = hn::Mul(winner, set(factor));
+      const auto least = hn::Or(hn::ShiftLeft<8>(upper), hn::ShiftRight<8>(lower));
+      const auto too_large = hn::Lt(set(0xFF), upper);
+      keep = hn::IfThenElseZero(hn::Lt(least, rival), hn::IfThenZeroElse(too_large, keep));
     }
-    hn::StoreU(hn::DemoteTo(From8(), keep), From8(), kept + x);
+    hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(d_signed, keep)), bytes, kept + x);
   }
 }
 

@@ -48,11 +48,11 @@ void RowMatcher::start(const CensusPlanes& left, const CensusPlanes& right, int 
   sums_ = {ring_[0] + kLaneGroup, pitch, rows - 1, range_, padded_};
 
   words_.create(7, width + kBorder);
-  bytes_.create(2, width + kBorder);
+  bytes_.create(2, padded_ + width + kBorder);
   words_ = 0;
   bytes_ = 0;
-  selected_ = {bytes_[0],
-               bytes_[1],
+  selected_ = {bytes_[0] + padded_,
+               bytes_[1] + padded_,
                words_[0],
                words_[1],
                {words_[2], words_[3], words_[4], words_[5], words_[6]}};
@@ -79,13 +79,12 @@ void RowMatcher::enter(int y, int end) {
 /// S(-1), from which the others follow.
 void RowMatcher::begin_sums() {
   std::uint16_t* sum = sums_.row(-1);
-  const int outside = padded_ - range_;
-  std::fill(sum, sum + outside, kNoSum);
-  for (int i = outside; i < padded_; ++i) {
-    int total = 0;
-    for (int x = 0; x < std::min(radius_, width_); ++x) total += column_[x * padded_ + i];
-    sum[i] = static_cast<std::uint16_t>(total);
+  std::fill_n(sum, padded_, std::uint16_t{0});
+  const std::int16_t* column = column_;
+  for (int x = 0; x < std::min(radius_, width_); ++x, column += padded_) {
+    for (int i = 0; i < padded_; ++i) sum[i] = static_cast<std::uint16_t>(sum[i] + column[i]);
   }
+  std::fill_n(sum, padded_ - range_, kNoSum);
 }
 
 /// Right pixels follow as soon as all their partners are there.
