@@ -24,6 +24,39 @@ constexpr bool kCountsBits = true;
 constexpr bool kCountsBits = false;
 #endif
 
+/// kParts vectors side by side: what is the same for all of them is loaded once.
+template <class D, std::size_t kParts>
+struct Wide {
+  std::array<hn::Vec<D>, kParts> parts;
+};
+template <class D, std::size_t kParts, class Operation>
+HWY_INLINE Wide<D, kParts> each(const Wide<D, kParts>& a, const Wide<D, kParts>& b,
+                                const Operation& operation) {
+  Wide<D, kParts> result;
+  for (std::size_t k = 0; k < kParts; ++k) result.parts[k] = operation(a.parts[k], b.parts[k]);
+  return result;
+}
+template <class D, std::size_t kParts>
+HWY_INLINE Wide<D, kParts> operator^(const Wide<D, kParts>& a, const Wide<D, kParts>& b) {
+  return each(a, b, [](auto x, auto y) HWY_ATTR { return hn::Xor(x, y); });
+}
+template <class D, std::size_t kParts>
+HWY_INLINE Wide<D, kParts> operator&(const Wide<D, kParts>& a, const Wide<D, kParts>& b) {
+  return each(a, b, [](auto x, auto y) HWY_ATTR { return hn::And(x, y); });
+}
+template <class D, std::size_t kParts>
+HWY_INLINE Wide<D, kParts> operator|(const Wide<D, kParts>& a, const Wide<D, kParts>& b) {
+  return each(a, b, [](auto x, auto y) HWY_ATTR { return hn::Or(x, y); });
+}
+template <class D, std::size_t kParts>
+HWY_INLINE Wide<D, kParts> operator+(const Wide<D, kParts>& a, const Wide<D, kParts>& b) {
+  return each(a, b, [](auto x, auto y) HWY_ATTR { return hn::Add(x, y); });
+}
+template <class D, std::size_t kParts>
+HWY_INLINE Wide<D, kParts> population(const Wide<D, kParts>& a) {
+  return each(a, a, [](auto x, auto /*y*/) HWY_ATTR { return hn::PopulationCount(x); });
+}
+
 /// Adders of vectors of bits (H. S. Warren, "Hacker's Delight", 5-1). vector(k) makes the k-th when
 /// it is added, so that few are alive at a time.
 template <class V, class Vectors>
@@ -40,9 +73,9 @@ struct Adders {
       const V a = carry<kLevel - 1, kFirst>();
       const V b = carry<kLevel - 1, kFirst + (std::size_t{1} << (kLevel - 1))>();
       V& sum = sums[kLevel - 1];
-      const V half = hn::Xor(sum, a);
-      const V carried = hn::Or(hn::And(sum, a), hn::And(half, b));
-      sum = hn::Xor(half, b);
+      const V half = sum ^ a;
+      const V carried = (sum & a) | (half & b);
+      sum = half ^ b;
       return carried;
     }
   }
@@ -59,12 +92,10 @@ HWY_INLINE V count_bits(const Vectors& vector) {
   if constexpr (kWeights > 1) sums[1] = adders.template carry<1, kFirst + 1>();
   if constexpr (kWeights > 2) sums[2] = adders.template carry<2, kFirst + 3>();
   if constexpr (kWeights > 3) sums[3] = adders.template carry<3, kFirst + 7>();
-  V count = hn::PopulationCount(sums[kWeights - 1]);
-  for (std::size_t k = kWeights - 1; k-- > 0;) {
-    count = hn::Add(hn::Add(count, count), hn::PopulationCount(sums[k]));
-  }
+  V count = population(sums[kWeights - 1]);
+  for (std::size_t k = kWeights - 1; k-- > 0;) count = count + count + population(sums[k]);
   if constexpr (kCount > kAdded) {
-    count = hn::Add(count, count_bits<kCount - kAdded, kFirst + kAdded, V>(vector));
+    count = count + count_bits<kCount - kAdded, kFirst + kAdded, V>(vector);
   }
   return count;
 }
@@ -88,57 +119,67 @@ HWY_INLINE void change(D /*d*/, hn::Vec<D> entering, hn::Vec<D> leaving, std::in
   }
 }
 
-/// Some lanes of a column are no disparities (kEdge), or all are.
-template <class D, std::size_t kPlanes, bool kEdge, int kPadded = 0>
+/// kParts vectors of a column at a time. Some lanes are no disparities (kEdge), or all are.
+template <class D, std::size_t kParts, std::size_t kPlanes, bool kEdge, int kPadded = 0>
 HWY_INLINE void hamming_columns(const HammingRow row, int x0, int x1, std::uint8_t* slot,
                                 std::int16_t* columns) {
-  using V = hn::Vec<D>;
+  using V = Wide<D, kParts>;
   const D d;
   const int padded = kPadded > 0 ? kPadded : row.padded;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto number = hn::Iota(d, std::uint8_t{0});
-  const auto first_of = [&](int count) {
+  const auto first_of = [&](int count) HWY_ATTR {
     return hn::Lt(number, hn::Set(d, static_cast<std::uint8_t>(std::min(count, lanes))));
   };
   slot += static_cast<std::ptrdiff_t>(x0) * padded;
   columns += static_cast<std::ptrdiff_t>(x0) * padded;
   for (int x = x0; x < x1; ++x, slot += padded, columns += padded) {
-    std::array<V, kPlanes> left;
-    for (std::size_t k = 0; k < kPlanes; ++k) {
-      left[k] = hn::Set(d, row.left[static_cast<std::ptrdiff_t>(k) * row.plane_pitch + x]);
-    }
-    const std::uint8_t* right = row.right + x - (padded - 1);
-    for (int i = 0; i < padded; i += lanes) {
+    for (int first = 0; first < padded; first += static_cast<int>(kParts) * lanes) {
       const auto differing = [&](std::size_t k) HWY_ATTR {
-        const std::uint8_t* plane = right + static_cast<std::ptrdiff_t>(k) * row.plane_pitch;
-        return hn::Xor(left[k], hn::LoadU(d, plane + i));
+        const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(k) * row.plane_pitch + x;
+        const auto left = hn::Set(d, row.left[plane]);
+        const std::uint8_t* right = row.right + plane - (padded - 1) + first;
+        V bits;
+        for (auto& part : bits.parts) {
+          part = hn::Xor(left, hn::LoadU(d, right));
+          right += lanes;
+        }
+        return bits;
       };
-      V distance = count_bits<kPlanes, 0, V>(differing);
-      if constexpr (kEdge) {
-        const int unseen = padded - 1 - x - i, outside = padded - row.range - i;
-        const auto half = hn::Set(d, static_cast<std::uint8_t>(row.half));
-        if (unseen > 0) distance = hn::IfThenElse(first_of(unseen), half, distance);
-        if (outside > 0) distance = hn::IfThenZeroElse(first_of(outside), distance);
+      V distances = count_bits<kPlanes, 0, V>(differing);
+      int i = first;
+      for (auto& distance : distances.parts) {
+        if constexpr (kEdge) {
+          const int unseen = padded - 1 - x - i, outside = padded - row.range - i;
+          const auto half = hn::Set(d, static_cast<std::uint8_t>(row.half));
+          if (unseen > 0) distance = hn::IfThenElse(first_of(unseen), half, distance);
+          if (outside > 0) distance = hn::IfThenZeroElse(first_of(outside), distance);
+        }
+        change(d, distance, hn::LoadU(d, slot + i), columns + i);
+        hn::StoreU(distance, d, slot + i);
+        i += lanes;
       }
-      change(d, distance, hn::LoadU(d, slot + i), columns + i);
-      hn::StoreU(distance, d, slot + i);
     }
   }
 }
+
+/// More vectors at a time than two, and their sums would not fit into the registers.
+constexpr std::size_t kWide = hn::MaxLanes(TwoGroups()) < 2 * kLaneGroup ? 2 : 1;
 
 template <std::size_t kPlanes>
 HWY_INLINE void hamming_planes(const HammingRow& row, int x0, int x1, std::uint8_t* slot,
                                std::int16_t* columns) {
   // From here on every disparity has a right pixel.
   const int inside = row.range == row.padded ? std::clamp(row.range - 1, x0, x1) : x1;
-  if (x0 < inside) hamming_columns<Group, kPlanes, true>(row, x0, inside, slot, columns);
+  if (x0 < inside) hamming_columns<Group, 1, kPlanes, true>(row, x0, inside, slot, columns);
   if (inside == x1) return;
   if (row.padded == 2 * kLaneGroup) {
-    hamming_columns<TwoGroups, kPlanes, false, 2 * kLaneGroup>(row, inside, x1, slot, columns);
+    hamming_columns<TwoGroups, kWide, kPlanes, false, 2 * kLaneGroup>(row, inside, x1, slot,
+                                                                      columns);
   } else if (row.padded % (2 * kLaneGroup) == 0) {
-    hamming_columns<TwoGroups, kPlanes, false>(row, inside, x1, slot, columns);
+    hamming_columns<TwoGroups, kWide, kPlanes, false>(row, inside, x1, slot, columns);
   } else {
-    hamming_columns<Group, kPlanes, false>(row, inside, x1, slot, columns);
+    hamming_columns<Group, 1, kPlanes, false>(row, inside, x1, slot, columns);
   }
 }
 
