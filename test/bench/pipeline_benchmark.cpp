@@ -1,6 +1,7 @@
 // Ours and OpenCV's block matching side by side: names are who/what/WxHxD/threads. See
 // test/bench/README.md for how it is run.
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include <map>
 #include <memory>
@@ -19,6 +20,20 @@ struct Size {
 constexpr Size kSizes[] = {{640, 480, 64},  {640, 480, 128}, {752, 480, 64},
                            {752, 480, 128}, {1280, 720, 64}, {1280, 720, 128}};
 
+/// Other sizes for ours: how time and memory grow.
+constexpr Size kMoreSizes[] = {{320, 240, 64}, {640, 360, 64},  {640, 360, 256},
+                               {640, 480, 32}, {640, 480, 256}, {1280, 960, 64}};
+
+/// Allocated and not yet free.
+double heap_mib() {
+#if __GLIBC_PREREQ(2, 33)
+  const auto info = mallinfo2();
+#else
+  const auto info = mallinfo();
+#endif
+  return static_cast<double>(info.uordblks + info.hblkhd) / (1 << 20);
+}
+
 const Scene& scene_of(cv::Size size) {
   static std::map<std::pair<int, int>, std::unique_ptr<Scene>> scenes;
   auto& scene = scenes[{size.width, size.height}];
@@ -29,9 +44,11 @@ const Scene& scene_of(cv::Size size) {
 void run(benchmark::State& state, const std::string& name, const Size& size, int threads) {
   cv::setNumThreads(threads);
   const Scene& scene = scene_of({size.width, size.height});
+  const double heap_before = heap_mib();
   const Contender contender = make_contender(name, scene, size.disparities, threads);
   StageTimes ms{}, sum{};
   contender(ms);  // memory is taken, pages are there
+  state.counters["MiB"] = heap_mib() - heap_before;
   for (auto _ : state) {
     contender(ms);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += ms[i];
@@ -48,28 +65,32 @@ void run(benchmark::State& state, const std::string& name, const Size& size, int
   }
 }
 
-void register_all() {
-  for (const Size& size : kSizes) {
-    for (const int threads : {1, 2}) {
-      for (const std::string& name : contender_names()) {
-        const std::string full = name + "/" + std::to_string(size.width) + "x" +
-                                 std::to_string(size.height) + "x" +
-                                 std::to_string(size.disparities) + "/" + std::to_string(threads);
-        benchmark::RegisterBenchmark(
-            full.c_str(),
-            [name, size, threads](benchmark::State& state) { run(state, name, size, threads); })
-            ->Unit(benchmark::kMillisecond)
-            ->UseRealTime();
-      }
-    }
+void add(const std::string& contender, const Size& size) {
+  for (const int threads : {1, 2}) {
+    const std::string name = contender + "/" + std::to_string(size.width) + "x" +
+                             std::to_string(size.height) + "x" + std::to_string(size.disparities) +
+                             "/" + std::to_string(threads);
+    benchmark::RegisterBenchmark(name.c_str(),
+                                 [contender, size, threads](benchmark::State& state) {
+                                   run(state, contender, size, threads);
+                                 })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
   }
+}
+
+void add_all() {
+  for (const Size& size : kSizes) {
+    for (const std::string& name : contender_names()) add(name, size);
+  }
+  for (const Size& size : kMoreSizes) add("fpga_stereo/sparse", size);
 }
 
 }  // namespace
 }  // namespace fpga_stereo::bench
 
 int main(int argc, char** argv) {
-  fpga_stereo::bench::register_all();
+  fpga_stereo::bench::add_all();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::AddCustomContext("target", fpga_stereo::target());

@@ -173,6 +173,8 @@ struct SelectLeft {
 
 void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
   switch (sums.padded / kLaneGroup) {
+    case 1:
+      return SelectLeft<1>{sums, out}.run(x0, x1);
     case 2:
       return SelectLeft<2>{sums, out}.run(x0, x1);
     case 4:
