@@ -86,12 +86,25 @@ Result<cv::Mat> to_bgr(const sensor_msgs::ImageConstPtr& image, const std::strin
   return convert(image, enc::isMono(image->encoding) ? enc::MONO8 : enc::BGR8, camera);
 }
 
+cv::Mat image_in(sensor_msgs::Image& message, const std_msgs::Header& header, cv::Size size,
+                 int type) {
+  message.header = header;
+  message.encoding = type == CV_8UC1    ? enc::MONO8
+                     : type == CV_8UC3  ? enc::BGR8
+                     : type == CV_16UC1 ? enc::TYPE_16UC1
+                                        : enc::TYPE_32FC1;
+  message.width = static_cast<std::uint32_t>(size.width);
+  message.height = static_cast<std::uint32_t>(size.height);
+  message.is_bigendian = 0;
+  message.step = message.width * static_cast<std::uint32_t>(CV_ELEM_SIZE(type));
+  message.data.resize(static_cast<std::size_t>(message.step) * message.height);
+  return cv::Mat(size, type, message.data.data(), message.step);
+}
+
 sensor_msgs::ImagePtr to_image(const cv::Mat& image, const std_msgs::Header& header) {
-  const std::string encoding = image.type() == CV_8UC1    ? enc::MONO8
-                               : image.type() == CV_8UC3  ? enc::BGR8
-                               : image.type() == CV_16UC1 ? enc::TYPE_16UC1
-                                                          : enc::TYPE_32FC1;
-  return cv_bridge::CvImage(header, encoding, image).toImageMsg();
+  const auto message = boost::make_shared<sensor_msgs::Image>();
+  image.copyTo(image_in(*message, header, image.size(), image.type()));
+  return message;
 }
 
 void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geometry,
@@ -106,16 +119,7 @@ void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geomet
   message.delta_d = parameters.subpixel ? 1.0F / kDisparityScale : 1.0F;
   message.valid_window = valid_window(disparity.size(), parameters);
 
-  sensor_msgs::Image& image = message.image;
-  image.header = header;
-  image.height = static_cast<std::uint32_t>(disparity.rows);
-  image.width = static_cast<std::uint32_t>(disparity.cols);
-  image.encoding = enc::TYPE_32FC1;
-  image.is_bigendian = 0;
-  image.step = image.width * static_cast<std::uint32_t>(sizeof(float));
-  image.data.resize(static_cast<std::size_t>(image.step) * image.height);
-  cv::Mat1f values(disparity.rows, disparity.cols, reinterpret_cast<float*>(image.data.data()),
-                   image.step);
+  cv::Mat1f values = image_in(message.image, header, disparity.size(), CV_32FC1);
   to_float(disparity, r.offset, message.min_disparity - 1.0F, values);
 }
 

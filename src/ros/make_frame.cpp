@@ -41,6 +41,8 @@ Result<StereoFrame> begin_frame(const InputPair& pair, const StereoRectification
   frame.right.header.stamp = frame.left.header.stamp;
   frame.left.mono = *left;
   frame.right.mono = *right;
+  frame.left.raw = pair.left;
+  frame.right.raw = pair.right;
   frame.left_info = *pair.left_info;
   frame.geometry = rectification.geometry;
   frame.settings = settings;

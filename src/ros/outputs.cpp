@@ -11,7 +11,7 @@ Outputs::Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed
     changed();
   };
   const auto advertise_image = [&](const std::string& topic) {
-    return transport_.advertise(topic, 1, on_image_change, on_image_change);
+    return ImageOutput(transport_.advertise(topic, 1, on_image_change, on_image_change));
   };
   ros::NodeHandle handle(nh);
   const auto advertise_camera = [&](const std::string& side) -> CameraOutputs {
@@ -30,10 +30,10 @@ Outputs::Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed
 
 CameraDemand Outputs::CameraOutputs::demand() const {
   CameraDemand demand;
-  demand.mono = mono.getNumSubscribers() > 0;
-  demand.color = color.getNumSubscribers() > 0;
-  demand.rect = rect.getNumSubscribers() > 0;
-  demand.rect_color = rect_color.getNumSubscribers() > 0;
+  demand.mono = mono.wanted();
+  demand.color = color.wanted();
+  demand.rect = rect.wanted();
+  demand.rect_color = rect_color.wanted();
   return demand;
 }
 
@@ -45,15 +45,14 @@ Demand Outputs::demand(const Settings& settings) const {
   demand.left.rect = demand.left.rect || cloud;
   demand.left.rect_color =
       demand.left.rect_color || (cloud && settings.cloud.color == PointColor::kRgb);
-  demand.disparity = cloud || disparity_.getNumSubscribers() > 0 ||
-                     depth_.getNumSubscribers() > 0 || depth_info_.getNumSubscribers() > 0 ||
-                     disparity_color_.getNumSubscribers() > 0;
+  demand.disparity = cloud || disparity_.getNumSubscribers() > 0 || depth_.wanted() ||
+                     depth_info_.getNumSubscribers() > 0 || disparity_color_.wanted();
   return demand;
 }
 
-void Outputs::CameraOutputs::publish(const CameraImages& images) const {
-  const auto publish_image = [&](const image_transport::Publisher& to, const cv::Mat& image) {
-    if (to.getNumSubscribers() > 0 && !image.empty()) to.publish(to_image(image, images.header));
+void Outputs::CameraOutputs::publish(const CameraImages& images) {
+  const auto publish_image = [&](ImageOutput& to, const cv::Mat& image) {
+    if (to.wanted() && !image.empty()) to.publish(images.header, image, images.raw);
   };
   publish_image(mono, images.mono);
   publish_image(color, images.color);
@@ -73,26 +72,27 @@ void Outputs::publish(const StereoFrame& frame) {
     disparity_.publish(message);
   }
   publish_depth(frame);
-  if (disparity_color_.getNumSubscribers() > 0) {
+  if (disparity_color_.wanted()) {
     cv::Mat3b picture;
     to_color(frame.disparity, parameters.disparity_range, picture);
-    disparity_color_.publish(to_image(picture, frame.left.header));
+    disparity_color_.publish(frame.left.header, picture);
   }
   publish_cloud(frame);
 }
 
-void Outputs::publish_depth(const StereoFrame& frame) const {
+void Outputs::publish_depth(const StereoFrame& frame) {
   const Reprojection r = make_reprojection(frame.geometry, frame.settings.pipeline.min_disparity);
-  if (depth_.getNumSubscribers() > 0) {
-    if (frame.settings.depth_encoding == DepthEncoding::kMetres) {
-      cv::Mat1f metres;
+  const cv::Size size = frame.disparity.size();
+  if (depth_.wanted() && frame.settings.depth_encoding == DepthEncoding::kMetres) {
+    depth_.publish(frame.left.header, size, CV_32FC1, [&](cv::Mat& to) {
+      cv::Mat1f metres = to;
       to_depth(frame.disparity, r, metres);
-      depth_.publish(to_image(metres, frame.left.header));
-    } else {
-      cv::Mat1w millimetres;
+    });
+  } else if (depth_.wanted()) {
+    depth_.publish(frame.left.header, size, CV_16UC1, [&](cv::Mat& to) {
+      cv::Mat1w millimetres = to;
       to_depth(frame.disparity, r, millimetres);
-      depth_.publish(to_image(millimetres, frame.left.header));
-    }
+    });
   }
   if (depth_info_.getNumSubscribers() > 0) {
     sensor_msgs::CameraInfo info = frame.left_info;

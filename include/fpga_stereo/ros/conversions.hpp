@@ -27,6 +27,11 @@ Result<cv::Mat> to_grey(const sensor_msgs::ImageConstPtr& image, const std::stri
 /// The same in colour: 8UC3 bgr, or 8UC1 where the camera sees grey.
 Result<cv::Mat> to_bgr(const sensor_msgs::ImageConstPtr& image, const std::string& camera);
 
+/// Makes `message` an image of this size and type (8UC1: mono8, 8UC3: bgr8, 16UC1, 32FC1) and
+/// returns its pixels, which are in the memory of the message, to be written.
+cv::Mat image_in(sensor_msgs::Image& message, const std_msgs::Header& header, cv::Size size,
+                 int type);
+
 /// A copy of an 8UC1 (mono8), 8UC3 (bgr8), 16UC1 or 32FC1 image as a message.
 sensor_msgs::ImagePtr to_image(const cv::Mat& image, const std_msgs::Header& header);
 

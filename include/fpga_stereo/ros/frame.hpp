@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
 #include <std_msgs/Header.h>
 
 #include <opencv2/core.hpp>
@@ -32,6 +33,7 @@ struct Demand {
 struct CameraImages {
   std_msgs::Header header;  // stamp of the pair, frame_id of this camera's image
   cv::Mat mono, color, rect, rect_color;
+  sensor_msgs::ImageConstPtr raw;  // the camera's message, where one came; mono may be its pixels
 };
 
 /// What a source made of one pair of images.

@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "fpga_stereo/ros/frame.hpp"
+#include "fpga_stereo/ros/image_output.hpp"
 #include "fpga_stereo/ros/message_pool.hpp"
 
 namespace fpga_stereo {
@@ -27,18 +28,18 @@ class Outputs {
  private:
   /// The topics of one camera, named as image_proc names them.
   struct CameraOutputs {
-    image_transport::Publisher mono, color, rect, rect_color;
+    ImageOutput mono, color, rect, rect_color;
 
     CameraDemand demand() const;
-    void publish(const CameraImages& images) const;
+    void publish(const CameraImages& images);
   };
 
-  void publish_depth(const StereoFrame& frame) const;
+  void publish_depth(const StereoFrame& frame);
   void publish_cloud(const StereoFrame& frame);
 
   image_transport::ImageTransport transport_;
   CameraOutputs left_, right_;
-  image_transport::Publisher depth_, disparity_color_;
+  ImageOutput depth_, disparity_color_;
   ros::Publisher depth_info_, disparity_, points2_;
   ros::Time last_cloud_;  // stamp
   MessagePool<sensor_msgs::PointCloud2> clouds_;

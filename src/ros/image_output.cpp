@@ -1,0 +1,26 @@
+#include "fpga_stereo/ros/image_output.hpp"
+
+#include "fpga_stereo/ros/conversions.hpp"
+
+namespace fpga_stereo {
+
+void ImageOutput::publish(const std_msgs::Header& header, cv::Size size, int type,
+                          const std::function<void(cv::Mat&)>& write) {
+  const auto message = messages_.take();
+  cv::Mat image = image_in(*message, header, size, type);
+  write(image);
+  publisher_.publish(message);
+}
+
+void ImageOutput::publish(const std_msgs::Header& header, const cv::Mat& image,
+                          const sensor_msgs::ImageConstPtr& raw) {
+  const bool same = raw != nullptr && image.data == raw->data.data() &&
+                    raw->header.stamp == header.stamp && raw->header.frame_id == header.frame_id;
+  if (same) {
+    publisher_.publish(raw);
+  } else {
+    publish(header, image.size(), image.type(), [&](cv::Mat& to) { image.copyTo(to); });
+  }
+}
+
+}  // namespace fpga_stereo
