@@ -189,24 +189,50 @@ constexpr std::size_t kParts = kLaneGroup / hn::MaxLanes(D16());
 /// The running minimum of right pixels, and the left pixels that have it.
 struct Rightmost {
   std::array<V16, kParts> least, partner;
+
+  Rightmost() {
+    least.fill(hn::Set(D16(), kMost));
+    partner.fill(hn::Zero(D16()));
+  }
+  /// Left pixel `number` has these sums.
+  HWY_INLINE void see(const std::uint16_t* sum, V16 number) {
+    const D16 d;
+    for (std::size_t k = 0; k < kParts; ++k) {
+      const auto smaller = hn::Min(least[k], hn::LoadU(d, sum + k * hn::Lanes(d)));
+      partner[k] = hn::IfThenElse(hn::Eq(smaller, least[k]), partner[k], number);
+      least[k] = smaller;
+    }
+  }
+  /// What another one has seen; of equal sums the left pixel further left.
+  HWY_INLINE void join(const Rightmost& other) {
+    for (std::size_t k = 0; k < kParts; ++k) {
+      const auto smaller = hn::Min(least[k], other.least[k]);
+      const auto first = hn::Min(partner[k], other.partner[k]);
+      const auto here = hn::Eq(smaller, least[k]), there = hn::Eq(smaller, other.least[k]);
+      const auto one = hn::IfThenElse(here, partner[k], other.partner[k]);
+      partner[k] = hn::IfThenElse(hn::And(here, there), first, one);
+      least[k] = smaller;
+    }
+  }
 };
 
-/// Left pixels x .. end - 1, whose rows follow one another; lane 0 is right pixel `first`.
-HWY_INLINE void see_partners(const SumRing& sums, int first, int x, int end, Rightmost& best) {
+/// Left pixels x .. end - 1, whose rows follow one another; lane 0 is right pixel `first`. Every
+/// other one is for `odd`: then none waits for the one before.
+HWY_INLINE void see_partners(const SumRing& sums, int first, int x, int end, Rightmost& even,
+                             Rightmost& odd) {
   const D16 d;
   // Left pixel x is the partner of right pixels x - range + 1 .. x, and 0xFFFF for the others.
   const std::uint16_t* sum = sums.row(x) + (first - x + sums.padded - 1);
+  const std::ptrdiff_t step = sums.pitch - 1;
   auto number = hn::Set(d, static_cast<std::uint16_t>(x));
   const auto one = hn::Set(d, std::uint16_t{1});
-  for (; x < end; ++x, sum += sums.pitch - 1) {
-    for (std::size_t k = 0; k < kParts; ++k) {
-      const auto smaller = hn::Min(best.least[k], hn::LoadU(d, sum + k * hn::Lanes(d)));
-      const auto stays = hn::Eq(smaller, best.least[k]);
-      best.partner[k] = hn::IfThenElse(stays, best.partner[k], number);
-      best.least[k] = smaller;
-    }
-    number = hn::Add(number, one);
+  for (; x < end - 1; x += 2, sum += 2 * step) {
+    const auto next = hn::Add(number, one);
+    even.see(sum, number);
+    odd.see(sum + step, next);
+    number = hn::Add(next, one);
   }
+  if (x < end) even.see(sum, number);
 }
 
 void select_right(const SumRing& sums, int x0, int width, std::uint8_t* right_winner) {
@@ -215,11 +241,10 @@ void select_right(const SumRing& sums, int x0, int width, std::uint8_t* right_wi
   const hn::RebindToSigned<D16> d16s;
   const int end = std::min(x0 + kLaneGroup + sums.range - 1, width);
   const int wrap = (x0 | sums.mask) + 1;  // there the ring begins anew
-  Rightmost best;
-  best.least.fill(hn::Set(d, kMost));
-  best.partner.fill(hn::Zero(d));
-  see_partners(sums, x0, x0, std::min(end, wrap), best);
-  if (wrap < end) see_partners(sums, x0, wrap, end, best);
+  Rightmost best, odd;
+  see_partners(sums, x0, x0, std::min(end, wrap), best, odd);
+  if (wrap < end) see_partners(sums, x0, wrap, end, best, odd);
+  best.join(odd);
   for (std::size_t k = 0; k < kParts; ++k) {
     const int first = x0 + static_cast<int>(k * hn::Lanes(d));
     const auto disparity = hn::Sub(best.partner[k], hn::Iota(d, static_cast<std::uint16_t>(first)));
