@@ -121,6 +121,20 @@ TEST_F(Evaluate, EveryPairHasTheRangeOfTheBenchmark) {
   expect_row(rows, "full dense mean", kMean, 100);
 }
 
+// Where they can look, they find these shifts, too; left of that their holes are filled.
+TEST_F(Evaluate, OpenCVBesideOurs) {
+  write_tree();
+  const Outcome run = evaluate({at("data"), "--csv", at("out.csv"), "--disparity_range", "32",
+                                "--census_pattern", "sparse", "--opencv"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto rows = read_csv(at("out.csv"));
+  EXPECT_EQ(rows.size(), 10U + 2 * 4);
+  for (const std::string peer : {"StereoBM", "SGBM"}) {
+    expect_row(rows, peer + " filled nonocc", kNonocc, kNonocc);
+    expect_row(rows, peer + " filled disc", kDisc, kDisc);
+  }
+}
+
 TEST_F(Evaluate, ParametersReachTheDenseConfigurationToo) {
   write_tree();
   ASSERT_EQ(evaluate({at("data"), "--csv", at("out.csv"), "--census_pattern", "sparse",
@@ -160,12 +174,14 @@ TEST_F(Evaluate, Usage) {
 TEST_F(Evaluate, RealImages) {
   const std::string folder = test_data("middlebury_v2");
   if (folder.empty()) GTEST_SKIP() << "no folder middlebury_v2 in the test images";
-  const Outcome run = evaluate({folder, "--csv", at("out.csv")});
+  const Outcome run = evaluate({folder, "--csv", at("out.csv"), "--opencv"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(run.err.find("libpng"), std::string::npos) << run.err;
   const auto rows = read_csv(at("out.csv"));
   EXPECT_LE(rows.at("sparse dense mean")[4], 14.8);
   EXPECT_LE(rows.at("full dense mean")[4], 15.2);
+  EXPECT_LT(rows.at("sparse dense mean")[4], rows.at("StereoBM filled mean")[4]);
+  EXPECT_LT(rows.at("sparse filled mean")[4], rows.at("StereoBM filled mean")[4]);
   EXPECT_LE(rows.at("sparse semi-dense nonocc")[4], 2.5);
   EXPECT_GE(rows.at("sparse semi-dense coverage")[4], 80);
 }

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "evaluate/peers.hpp"
 #include "evaluate/report.hpp"
 #include "fpga_stereo/core/convert.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
@@ -29,7 +30,10 @@ CommandLine command_line() {
       "  semi-dense  the parameters as given or by default; bad percent of the nonocc pixels\n"
       "              that have a disparity, and how many have one (coverage)\n"
       "Every pair is searched over the range of the benchmark (16, 20, 60 and 60 disparities)\n"
-      "unless --disparity_range is given.\n";
+      "unless --disparity_range is given.\n"
+      "--opencv adds OpenCV's StereoBM (window 15) and StereoSGBM (block 5), without checks, "
+      "holes\n"
+      "filled in the same way.\n";
   line.positional = {"DIR"};
   line.options.add_options()("csv", po::value<std::string>()->value_name("FILE"),
                              "write the table as comma-separated values, too");
@@ -37,6 +41,7 @@ CommandLine command_line() {
       "pictures", po::value<std::string>()->value_name("DIR"),
       "write pictures of every disparity and its errors: black = right, white = bad, "
       "grey = not evaluated");
+  line.options.add_options()("opencv", "OpenCV's block matchers beside ours");
   add_threads_option(line.options);
   line.options.add(parameter_options());
   return line;
@@ -72,13 +77,17 @@ void add_regions(const MiddleburyPair& pair, std::size_t scene, const cv::Mat1w&
   }
 }
 
+void append_regions(const std::string& pattern, const std::string& configuration,
+                    std::vector<ReportRow>& rows) {
+  for (const char* region : kRegionNames) rows.push_back({pattern, configuration, region});
+  rows.push_back({pattern, configuration, "mean"});
+}
+
 /// The rows of one pattern, all zero.
 std::vector<ReportRow> empty_rows(const std::string& pattern) {
   std::vector<ReportRow> rows;
-  for (const std::string configuration : {"dense", "filled"}) {
-    for (const char* region : kRegionNames) rows.push_back({pattern, configuration, region});
-    rows.push_back({pattern, configuration, "mean"});
-  }
+  append_regions(pattern, "dense", rows);
+  append_regions(pattern, "filled", rows);
   rows.push_back({pattern, "semi-dense", "nonocc"});
   rows.push_back({pattern, "semi-dense", "coverage"});
   return rows;
@@ -112,6 +121,20 @@ void evaluate_pair(const Evaluation& evaluation, const MiddleburyPair& pair, std
   disparity = fill_holes(disparity);
   add_regions(pair, scene, disparity, p.min_disparity, &rows[kFilledRow]);
   write_pictures(evaluation, pair, "filled", kAll, true, disparity, p);
+}
+
+std::vector<ReportRow> evaluate_peer(const Evaluation& evaluation, const std::string& peer,
+                                     const std::vector<MiddleburyPair>& pairs) {
+  std::vector<ReportRow> rows;
+  append_regions(peer, "filled", rows);
+  for (std::size_t scene = 0; scene < pairs.size(); ++scene) {
+    const MiddleburyPair& pair = pairs[scene];
+    const int range =
+        evaluation.range_given ? evaluation.given.disparity_range : pair.scene.disparity_range;
+    const cv::Mat1w disparity = peer_disparity(peer, pair.left, pair.right, range);
+    add_regions(pair, scene, fill_holes(disparity), 0, rows.data());
+  }
+  return rows;
 }
 
 void evaluate(const Arguments& arguments) {
@@ -149,6 +172,11 @@ void evaluate(const Arguments& arguments) {
       evaluate_pair(evaluation, pairs[scene], scene, p, rows);
       progress.done(concat(pairs[scene].scene.name, " ", to_text(pattern)));
     }
+    all_rows.insert(all_rows.end(), rows.begin(), rows.end());
+  }
+  for (const char* peer : kPeers) {
+    if (options.count("opencv") == 0) break;
+    const std::vector<ReportRow> rows = evaluate_peer(evaluation, peer, pairs);
     all_rows.insert(all_rows.end(), rows.begin(), rows.end());
   }
   std::cout << "Bad pixels (more than 1.0 px off), and coverage, percent\n";
