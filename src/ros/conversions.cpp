@@ -102,7 +102,7 @@ cv::Mat image_in(sensor_msgs::Image& message, const std_msgs::Header& header, cv
 }
 
 sensor_msgs::ImagePtr to_image(const cv::Mat& image, const std_msgs::Header& header) {
-  const auto message = boost::make_shared<sensor_msgs::Image>();
+  auto message = boost::make_shared<sensor_msgs::Image>();
   image.copyTo(image_in(*message, header, image.size(), image.type()));
   return message;
 }

@@ -14,7 +14,7 @@ namespace fpga_stereo::simd::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Group = hn::CappedTag<std::uint8_t, kLaneGroup>;
-using TwoGroups = hn::CappedTag<std::uint8_t, 2 * kLaneGroup>;
+using TwoGroups = hn::CappedTag<std::uint8_t, std::size_t{2} * kLaneGroup>;
 using D16 = hn::CappedTag<std::uint16_t, kLaneGroup>;
 using V16 = hn::Vec<D16>;
 
@@ -164,7 +164,7 @@ HWY_INLINE void hamming_columns(const HammingRow row, int x0, int x1, std::uint8
 }
 
 /// More vectors at a time than two, and their sums would not fit into the registers.
-constexpr std::size_t kWide = hn::MaxLanes(TwoGroups()) < 2 * kLaneGroup ? 2 : 1;
+constexpr std::size_t kWide = hn::MaxLanes(TwoGroups()) < std::size_t{2} * kLaneGroup ? 2 : 1;
 
 template <std::size_t kPlanes>
 HWY_INLINE void hamming_anywhere(const HammingRow& row, int x0, int x1, std::uint8_t* slot,

@@ -34,7 +34,7 @@ struct Larger {
   }
 };
 
-/// Of every position in a block.
+/// The smallest, or the largest, lane of every position in a block.
 template <class Of, class D>
 HWY_INLINE VBlock fold(D /*d*/, hn::Vec<D> v) {
   if constexpr (hn::MaxLanes(D()) <= 8) {
@@ -45,7 +45,7 @@ HWY_INLINE VBlock fold(D /*d*/, hn::Vec<D> v) {
   }
 }
 
-/// Lanes of a and b in turns, each of two; in every block.
+/// Lanes of a and b in turns, each the smaller, or the larger, of two; in every block.
 template <class Of>
 HWY_INLINE V16 pair(V16 a, V16 b) {
   const D16 d;
@@ -82,7 +82,7 @@ HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const Se
   hn::StoreU(low(even_last, odd_last), d, out.around[0] + x);
 }
 
-/// i + 1.
+/// Lanes, plus 1: 0 is none.
 constexpr auto kNumbers = [] {
   std::array<std::uint16_t, 256> values{};
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint16_t>(i + 1);
