@@ -2,9 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include "fpga_stereo/link/hotplug_watch.hpp"
 #include "link/transport_suite.hpp"
 
 namespace fpga_stereo::test {
+
+UsbLine::UsbLine(const sim::VirtualFt232h::Options& options) : chip(*this, options) {
+  // Holds libusb's monitor open until the program ends: umockdev aborts where one is closed just
+  // when it has news for it.
+  static const link::HotplugWatch monitor;
+}
 
 std::unique_ptr<link::Transport> open_usb(const std::string& name) {
   auto opened = link::open_transport(name);

@@ -11,7 +11,7 @@ namespace fpga_stereo::test {
 class UsbLine : public Line, private sim::FifoBackend {
  public:
   UsbLine() : UsbLine(sim::VirtualFt232h::Options{}) {}
-  explicit UsbLine(const sim::VirtualFt232h::Options& options) : chip(*this, options) {}
+  explicit UsbLine(const sim::VirtualFt232h::Options& options);
 
   Result<std::unique_ptr<link::Transport>> open() override { return link::open_transport("usb"); }
   void send(const Bytes& bytes) override {
