@@ -9,6 +9,7 @@
 #include "fpga_stereo/core/target.hpp"
 #include "support/data.hpp"
 #include "support/images.hpp"
+#include "support/opencv_matcher.hpp"
 
 namespace fpga_stereo::bench {
 namespace {
@@ -61,36 +62,19 @@ class Remap {
   cv::Mat1b out_;
 };
 
-/// Uniqueness, left-right check and speckle filter on, as stereo_image_proc sets them.
-cv::Ptr<cv::StereoMatcher> make_matcher(const std::string& name, int disparities) {
-  constexpr int kUniqueness = 15, kMaxDifference = 1, kSpeckleSize = 100, kSpeckleRange = 4;
-  cv::Ptr<cv::StereoMatcher> matcher;
-  if (name == "opencv/StereoBM") {
-    const auto bm = cv::StereoBM::create(disparities, 15);
-    bm->setUniquenessRatio(kUniqueness);
-    matcher = bm;
-  } else {
-    constexpr int kBlock = 5;
-    const int mode =
-        name == "opencv/StereoSGBM" ? cv::StereoSGBM::MODE_SGBM : cv::StereoSGBM::MODE_SGBM_3WAY;
-    matcher =
-        cv::StereoSGBM::create(0, disparities, kBlock, 8 * kBlock * kBlock, 32 * kBlock * kBlock,
-                               kMaxDifference, 31, kUniqueness, kSpeckleSize, kSpeckleRange, mode);
-  }
-  matcher->setDisp12MaxDiff(kMaxDifference);
-  matcher->setSpeckleWindowSize(kSpeckleSize);
-  matcher->setSpeckleRange(kSpeckleRange);
-  return matcher;
-}
-
 Contender make_opencv(const std::string& name, const Scene& scene, int disparities) {
   struct State {
     Remap left, right;
     cv::Ptr<cv::StereoMatcher> matcher;
     cv::Mat disparity;
   };
-  const auto state = std::make_shared<State>(State{
-      Remap(scene.left_camera), Remap(scene.right_camera), make_matcher(name, disparities), {}});
+  const tools::OpencvMatcher kind = name == "opencv/StereoBM"     ? tools::OpencvMatcher::kBm
+                                    : name == "opencv/StereoSGBM" ? tools::OpencvMatcher::kSgbm
+                                                                  : tools::OpencvMatcher::kSgbm3Way;
+  const auto state = std::make_shared<State>(State{Remap(scene.left_camera),
+                                                   Remap(scene.right_camera),
+                                                   tools::make_opencv_matcher(kind, disparities),
+                                                   {}});
   return [state, &scene](StageTimes&) {
     state->matcher->compute(state->left(scene.left), state->right(scene.right), state->disparity);
   };

@@ -1,15 +1,13 @@
-// The kernels that take most of a frame, alone, on one thread, for a row of 640 pixels
-// with 64 disparities that is in the caches: items are pixels;
-// those of `cycles` are the processor's. Names are kernel/variant.
+// The kernels that take most of a frame, alone, on one thread, for a row of 640 pixels with 64
+// disparities that is in the caches: items are pixels; those of `cycles` are the processor's.
+// Names are kernel/variant.
 #include <benchmark/benchmark.h>
 
-#include <functional>
 #include <opencv2/core.hpp>
-#include <random>
 #include <vector>
 
+#include "bench/run.hpp"
 #include "core/simd/kernels.hpp"
-#include "fpga_stereo/core/target.hpp"
 
 namespace fpga_stereo::bench {
 namespace {
@@ -129,8 +127,5 @@ void add_all() {
 
 int main(int argc, char** argv) {
   fpga_stereo::bench::add_all();
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::AddCustomContext("target", fpga_stereo::target());
-  benchmark::RunSpecifiedBenchmarks();
+  return fpga_stereo::bench::run(argc, argv);
 }

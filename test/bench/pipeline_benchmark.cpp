@@ -9,7 +9,7 @@
 #include <string>
 
 #include "bench/contenders.hpp"
-#include "fpga_stereo/core/target.hpp"
+#include "bench/run.hpp"
 
 namespace fpga_stereo::bench {
 namespace {
@@ -41,7 +41,7 @@ const Scene& scene_of(cv::Size size) {
   return *scene;
 }
 
-void run(benchmark::State& state, const std::string& name, const Size& size, int threads) {
+void measure(benchmark::State& state, const std::string& name, const Size& size, int threads) {
   cv::setNumThreads(threads);
   const Scene& scene = scene_of({size.width, size.height});
   const double heap_before = heap_mib();
@@ -72,7 +72,7 @@ void add(const std::string& contender, const Size& size) {
                              "/" + std::to_string(threads);
     benchmark::RegisterBenchmark(name.c_str(),
                                  [contender, size, threads](benchmark::State& state) {
-                                   run(state, contender, size, threads);
+                                   measure(state, contender, size, threads);
                                  })
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
@@ -91,9 +91,6 @@ void add_all() {
 
 int main(int argc, char** argv) {
   fpga_stereo::bench::add_all();
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::AddCustomContext("target", fpga_stereo::target());
   benchmark::AddCustomContext("opencv", cv::getVersionString());
-  benchmark::RunSpecifiedBenchmarks();
+  return fpga_stereo::bench::run(argc, argv);
 }
