@@ -2,7 +2,7 @@
 //
 // Formula   s = SignatureStart before a frame; for each of its pixels, in raster order,
 //           s' = (s << 1) ^ (s[31] ? SignaturePolynomial : 0) ^ word
-// C++ twin  Signature in fpga_stereo/core/signature.hpp
+// C++ twin  Signature in src/core/signature.hpp
 // Schedule  tick   the pixel enters s. signature_o takes s over with the first tick behind the
 //           frame, a bubble or the next frame's first pixel, or as soon as busy_i is low: behind
 //           the last frame there may be no tick at all.

@@ -2,7 +2,7 @@
 //
 //   fs_input -> rectify -> census -> match -> select -> check -> subpixel -> spike -> fs_output
 //
-// C++ twin  Pipeline in src/core/pipeline.cpp; include/fpga_stereo/core/stages.hpp
+// C++ twin  Pipeline in src/core/pipeline.cpp; src/core/stages.hpp
 // Schedule  fs_input makes ticks (en) of the pixels that come, fs_enable hands them out. Between the
 //           stages runs the raster: every tick is the next place of a row of width ticks, rows
 //           follow each other without a gap, and three tags go with the data:

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::sim {

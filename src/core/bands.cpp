@@ -1,4 +1,4 @@
-#include "fpga_stereo/core/bands.hpp"
+#include "core/bands.hpp"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -1,7 +1,7 @@
 #include <opencv2/core.hpp>
 
-#include "fpga_stereo/core/census_window.hpp"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/census_window.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -1,7 +1,7 @@
 #include "fpga_stereo/core/pipeline.hpp"
 
-#include "fpga_stereo/core/bands.hpp"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/bands.hpp"
+#include "core/stages.hpp"
 #include "fpga_stereo/core/target.hpp"
 #ifdef FPGA_STEREO_SIMD
 #include "core/simd/frame.hpp"

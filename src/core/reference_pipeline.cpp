@@ -1,9 +1,9 @@
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 
 #include <chrono>
 #include <functional>
 
-#include "fpga_stereo/core/bands.hpp"
+#include "core/bands.hpp"
 
 namespace fpga_stereo {
 namespace {

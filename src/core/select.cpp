@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <opencv2/core.hpp>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 

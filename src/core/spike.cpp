@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::link {

@@ -1,6 +1,6 @@
 #include "fpga_stereo/link/request.hpp"
 
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::link {

@@ -1,10 +1,10 @@
-#include "fpga_stereo/ros/board_frames.hpp"
+#include "ros/board_frames.hpp"
 
 #include <limits>
 #include <string>
 
-#include "fpga_stereo/ros/conversions.hpp"
-#include "fpga_stereo/ros/make_frame.hpp"
+#include "ros/conversions.hpp"
+#include "ros/make_frame.hpp"
 
 namespace fpga_stereo {
 namespace {

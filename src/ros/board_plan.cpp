@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/board_plan.hpp"
+#include "ros/board_plan.hpp"
 
 #include <ros/console.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo {
 namespace {

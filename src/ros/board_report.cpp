@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/board_report.hpp"
+#include "ros/board_report.hpp"
 
 #include <numeric>
 #include <sstream>

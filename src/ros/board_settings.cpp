@@ -1,7 +1,7 @@
-#include "fpga_stereo/ros/board_settings.hpp"
+#include "ros/board_settings.hpp"
 
 #include "fpga_stereo/core/spec.hpp"
-#include "fpga_stereo/ros/parameter_reader.hpp"
+#include "ros/parameter_reader.hpp"
 
 namespace fpga_stereo {
 namespace {

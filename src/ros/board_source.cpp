@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/board_source.hpp"
+#include "ros/board_source.hpp"
 
 #include <ros/console.h>
 
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "fpga_stereo/link/transport.hpp"
-#include "fpga_stereo/ros/make_frame.hpp"
+#include "ros/make_frame.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -1,8 +1,8 @@
-#include "fpga_stereo/ros/camera_topics.hpp"
+#include "ros/camera_topics.hpp"
 
 #include <utility>
 
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo {
 

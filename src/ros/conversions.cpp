@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
@@ -6,7 +6,7 @@
 #include <boost/make_shared.hpp>
 #include <utility>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo {
 namespace {

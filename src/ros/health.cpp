@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/health.hpp"
+#include "ros/health.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
-#include "fpga_stereo/ros/image_output.hpp"
+#include "ros/image_output.hpp"
 
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo {
 

@@ -1,6 +1,6 @@
-#include "fpga_stereo/ros/make_frame.hpp"
+#include "ros/make_frame.hpp"
 
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -1,7 +1,7 @@
-#include "fpga_stereo/ros/outputs.hpp"
+#include "ros/outputs.hpp"
 
 #include "fpga_stereo/core/convert.hpp"
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo {
 

@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/parameter_reader.hpp"
+#include "ros/parameter_reader.hpp"
 
 namespace fpga_stereo {
 namespace {

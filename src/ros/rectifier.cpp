@@ -1,10 +1,10 @@
-#include "fpga_stereo/ros/rectifier.hpp"
+#include "ros/rectifier.hpp"
 
 #include <ros/console.h>
 
 #include <utility>
 
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo {
 namespace {

@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/settings.hpp"
+#include "ros/settings.hpp"
 
 #include <dynamic_reconfigure/Config.h>
 
@@ -7,7 +7,7 @@
 #include <sstream>
 #include <thread>
 
-#include "fpga_stereo/ros/parameter_reader.hpp"
+#include "ros/parameter_reader.hpp"
 
 namespace fpga_stereo {
 namespace {

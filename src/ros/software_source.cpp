@@ -1,10 +1,10 @@
-#include "fpga_stereo/ros/software_source.hpp"
+#include "ros/software_source.hpp"
 
 #include <ros/console.h>
 
 #include <utility>
 
-#include "fpga_stereo/ros/make_frame.hpp"
+#include "ros/make_frame.hpp"
 
 namespace fpga_stereo {
 SoftwareSource::SoftwareSource(Health& health, Callback callback)

@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/stamp_gate.hpp"
+#include "ros/stamp_gate.hpp"
 
 #include <iomanip>
 #include <sstream>

@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "fpga_stereo/core/target.hpp"
-#include "fpga_stereo/ros/board_report.hpp"
-#include "fpga_stereo/ros/board_source.hpp"
-#include "fpga_stereo/ros/health.hpp"
-#include "fpga_stereo/ros/outputs.hpp"
-#include "fpga_stereo/ros/settings.hpp"
-#include "fpga_stereo/ros/software_source.hpp"
-#include "fpga_stereo/ros/stamp_gate.hpp"
+#include "ros/board_report.hpp"
+#include "ros/board_source.hpp"
+#include "ros/health.hpp"
+#include "ros/outputs.hpp"
+#include "ros/settings.hpp"
+#include "ros/software_source.hpp"
+#include "ros/stamp_gate.hpp"
 
 namespace fpga_stereo {
 

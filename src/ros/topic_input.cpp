@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/topic_input.hpp"
+#include "ros/topic_input.hpp"
 
 #include <algorithm>
 #include <iomanip>

@@ -1,4 +1,4 @@
-#include "fpga_stereo/ros/verifier.hpp"
+#include "ros/verifier.hpp"
 
 #include <ros/console.h>
 

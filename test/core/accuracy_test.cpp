@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 #include "support/data_test.hpp"
 
 namespace fpga_stereo::test {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "fpga_stereo/core/census_window.hpp"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/census_window.hpp"
+#include "core/stages.hpp"
 #include "support/compare.hpp"
 #include "support/images.hpp"
 #include "support/naive.hpp"

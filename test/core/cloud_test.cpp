@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "support/images.hpp"
 
 namespace fpga_stereo::test {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "support/compare.hpp"
 #include "support/images.hpp"
 

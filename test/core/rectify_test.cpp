@@ -3,8 +3,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/stages.hpp"
 #include "fpga_stereo/core/calibration.hpp"
-#include "fpga_stereo/core/stages.hpp"
 #include "support/compare.hpp"
 #include "support/data_test.hpp"
 #include "support/images.hpp"

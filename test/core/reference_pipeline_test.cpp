@@ -1,4 +1,4 @@
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,12 +2,12 @@
 // stage, and with values that no image gives.
 #include <gtest/gtest.h>
 
+#include "core/census_window.hpp"
 #include "core/pipeline_rig.hpp"
 #include "core/simd/kernels.hpp"
 #include "core/simd/regions.hpp"
 #include "core/simd/row_matcher.hpp"
-#include "fpga_stereo/core/census_window.hpp"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "fpga_stereo/core/target.hpp"
 #include "support/compare.hpp"
 

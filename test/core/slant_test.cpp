@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 #include "support/images.hpp"
 #include "support/naive.hpp"
 

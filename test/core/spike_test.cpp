@@ -2,7 +2,7 @@
 
 #include <opencv2/calib3d.hpp>
 
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 #include "support/compare.hpp"
 #include "support/data_test.hpp"
 #include "support/images.hpp"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "support/compare.hpp"
 #include "support/images.hpp"
 #include "support/naive.hpp"

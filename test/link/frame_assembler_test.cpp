@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <random>
 
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "link/faults.hpp"
 #include "support/compare.hpp"

@@ -1,5 +1,5 @@
 // What a board sends is checked before it is used; and what is told about a board.
-#include "fpga_stereo/ros/board_frames.hpp"
+#include "ros/board_frames.hpp"
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "fpga_stereo/ros/board_report.hpp"
-#include "fpga_stereo/ros/health.hpp"
+#include "ros/board_report.hpp"
+#include "ros/health.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {

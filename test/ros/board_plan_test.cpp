@@ -1,5 +1,5 @@
 // What a board is told to do, for what others ask for.
-#include "fpga_stereo/ros/board_plan.hpp"
+#include "ros/board_plan.hpp"
 
 #include <gtest/gtest.h>
 

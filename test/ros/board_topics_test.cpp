@@ -4,7 +4,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <stereo_msgs/DisparityImage.h>
 
-#include "fpga_stereo/ros/health.hpp"
+#include "ros/health.hpp"
 #include "ros/pty_board.hpp"
 #include "ros/rig.hpp"
 

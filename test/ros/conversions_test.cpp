@@ -1,5 +1,5 @@
 // Messages filled and read without a node.
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 #include <cv_bridge/cv_bridge.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <set>
 #include <vector>
 
-#include "fpga_stereo/core/stages.hpp"
-#include "fpga_stereo/ros/message_pool.hpp"
+#include "core/stages.hpp"
+#include "ros/message_pool.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {

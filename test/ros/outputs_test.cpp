@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <limits>
 
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 #include "ros/rig.hpp"
 #include "support/data.hpp"
 

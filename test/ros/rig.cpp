@@ -2,8 +2,8 @@
 
 #include <cv_bridge/cv_bridge.h>
 
-#include "fpga_stereo/core/reference_pipeline.hpp"
-#include "fpga_stereo/ros/conversions.hpp"
+#include "core/reference_pipeline.hpp"
+#include "ros/conversions.hpp"
 #include "ros/graph.hpp"
 #include "support/images.hpp"
 

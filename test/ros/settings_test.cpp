@@ -1,5 +1,5 @@
 // The dynamic_reconfigure description against the table of core, and what is refused.
-#include "fpga_stereo/ros/settings.hpp"
+#include "ros/settings.hpp"
 
 #include <dynamic_reconfigure/Config.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <map>
 #include <sstream>
 
-#include "fpga_stereo/ros/board_settings.hpp"
-#include "fpga_stereo/ros/stamp_gate.hpp"
+#include "ros/board_settings.hpp"
+#include "ros/stamp_gate.hpp"
 
 namespace fpga_stereo::test {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <stereo_msgs/DisparityImage.h>
 
-#include "fpga_stereo/ros/board_settings.hpp"
-#include "fpga_stereo/ros/settings.hpp"
+#include "ros/board_settings.hpp"
 #include "ros/rig.hpp"
+#include "ros/settings.hpp"
 
 namespace fpga_stereo::test {
 namespace {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "fpga_stereo/link/frame_assembler.hpp"
 #include "fpga_stereo/link/identity.hpp"

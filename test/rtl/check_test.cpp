@@ -7,7 +7,7 @@
 #include "Check16.h"
 #include "Check20.h"
 #include "Check64.h"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "ports.hpp"
 #include "raster.hpp"
 #include "support/compare.hpp"

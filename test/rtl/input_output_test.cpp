@@ -9,7 +9,7 @@
 #include "Ends.h"
 #include "EndsFew.h"
 #include "EndsTiny.h"
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 #include "rtl/ends.hpp"
 
 namespace fpga_stereo::test::ends {

@@ -11,7 +11,7 @@
 
 #include "RegistersLarge.h"
 #include "RegistersSmall.h"
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "rtl/register_bus.hpp"
 

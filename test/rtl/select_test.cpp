@@ -6,7 +6,7 @@
 #include "Select20.h"
 #include "Select64.h"
 #include "Select64Wide.h"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "ports.hpp"
 #include "raster.hpp"
 #include "support/compare.hpp"

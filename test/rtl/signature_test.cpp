@@ -1,5 +1,5 @@
 // fs_signature, fs_fold_census and fs_fold_match against Signature, census_word() and match_word().
-#include "fpga_stereo/core/signature.hpp"
+#include "core/signature.hpp"
 
 #include <gtest/gtest.h>
 

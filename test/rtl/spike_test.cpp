@@ -11,7 +11,7 @@
 #include "SpikeSmall.h"
 #include "SpikeVga.h"
 #include "SpikeWide.h"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "raster.hpp"
 #include "support/compare.hpp"
 

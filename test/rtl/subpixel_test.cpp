@@ -6,7 +6,7 @@
 #include "Subpixel128.h"
 #include "Subpixel16.h"
 #include "Subpixel64.h"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "ports.hpp"
 #include "raster.hpp"
 #include "support/compare.hpp"

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "fpga_stereo/core/reference_pipeline.hpp"
-#include "fpga_stereo/core/signature.hpp"
+#include "core/reference_pipeline.hpp"
+#include "core/signature.hpp"
 #include "sim/gateware.hpp"
 #include "support/compare.hpp"
 #include "support/images.hpp"

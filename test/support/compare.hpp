@@ -8,8 +8,8 @@
 #include <sstream>
 #include <string>
 
+#include "core/stages.hpp"
 #include "fpga_stereo/core/parameters.hpp"
-#include "fpga_stereo/core/stages.hpp"
 
 namespace fpga_stereo::test {
 

@@ -5,9 +5,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/stages.hpp"
 #include "fpga_stereo/core/mesh.hpp"
 #include "fpga_stereo/core/parameters.hpp"
-#include "fpga_stereo/core/stages.hpp"
 
 namespace fpga_stereo::naive {
 

@@ -5,9 +5,9 @@
 #include <regex>
 
 #include "board_rig.hpp"
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/spec.hpp"
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo::tools {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "fpga_stereo/ros/conversions.hpp"
 #include "programs.hpp"
+#include "ros/conversions.hpp"
 #include "support/files.hpp"
 
 namespace fpga_stereo::tools {

@@ -4,10 +4,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/convert.hpp"
-#include "fpga_stereo/core/reference_pipeline.hpp"
-#include "fpga_stereo/ros/conversions.hpp"
 #include "programs.hpp"
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo::tools {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo::tools {
 namespace {

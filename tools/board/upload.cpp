@@ -4,7 +4,7 @@
 #include "board/build.hpp"
 #include "board/connection.hpp"
 #include "board/modes.hpp"
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 #include "support/files.hpp"
 #include "support/parameter_options.hpp"
 

@@ -1,6 +1,6 @@
 #include "evaluate/peers.hpp"
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "support/opencv_matcher.hpp"
 
 namespace fpga_stereo::tools {

@@ -6,9 +6,9 @@
 #include <opencv2/imgproc.hpp>
 #include <regex>
 
-#include "fpga_stereo/ros/conversions.hpp"
 #include "make_bag/modes.hpp"
 #include "make_bag/sources.hpp"
+#include "ros/conversions.hpp"
 #include "support/files.hpp"
 
 namespace fpga_stereo::tools {

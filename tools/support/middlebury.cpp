@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "fpga_stereo/core/stages.hpp"
+#include "core/stages.hpp"
 #include "support/files.hpp"
 #include "support/program.hpp"
 

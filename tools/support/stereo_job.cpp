@@ -4,7 +4,7 @@
 
 #include "fpga_stereo/core/convert.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 #include "support/files.hpp"
 #include "support/parameter_options.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "fpga_stereo/ros/conversions.hpp"
+#include "ros/conversions.hpp"
 #include "support/files.hpp"
 #include "support/program.hpp"
 

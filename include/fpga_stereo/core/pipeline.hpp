@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
-#include "fpga_stereo/core/reference_pipeline.hpp"
 
 namespace fpga_stereo {
 

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <numeric>
 
-#include "fpga_stereo/core/bands.hpp"
-#include "fpga_stereo/core/census_window.hpp"
-#include "fpga_stereo/core/stages.hpp"
+#include "core/bands.hpp"
+#include "core/census_window.hpp"
+#include "core/stages.hpp"
 
 namespace fpga_stereo::simd {
 namespace {

@@ -17,8 +17,8 @@
 #include <set>
 #include <string>
 
-#include "fpga_stereo/ros/health.hpp"
-#include "fpga_stereo/ros/settings.hpp"
+#include "ros/health.hpp"
+#include "ros/settings.hpp"
 
 namespace fpga_stereo {
 

@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "fpga_stereo/core/pipeline.hpp"
-#include "fpga_stereo/ros/frame.hpp"
-#include "fpga_stereo/ros/health.hpp"
-#include "fpga_stereo/ros/rectifier.hpp"
-#include "fpga_stereo/ros/topic_input.hpp"
+#include "ros/frame.hpp"
+#include "ros/health.hpp"
+#include "ros/rectifier.hpp"
+#include "ros/topic_input.hpp"
 
 namespace fpga_stereo {
 

@@ -7,9 +7,9 @@
 
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/link/session.hpp"
-#include "fpga_stereo/ros/board_plan.hpp"
-#include "fpga_stereo/ros/frame.hpp"
-#include "fpga_stereo/ros/topic_input.hpp"
+#include "ros/board_plan.hpp"
+#include "ros/frame.hpp"
+#include "ros/topic_input.hpp"
 
 namespace fpga_stereo {
 

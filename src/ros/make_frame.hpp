@@ -2,8 +2,8 @@
 #pragma once
 
 #include "fpga_stereo/core/result.hpp"
-#include "fpga_stereo/ros/frame.hpp"
-#include "fpga_stereo/ros/topic_input.hpp"
+#include "ros/frame.hpp"
+#include "ros/topic_input.hpp"
 
 namespace fpga_stereo {
 

@@ -8,9 +8,9 @@
 
 #include <functional>
 
-#include "fpga_stereo/ros/frame.hpp"
-#include "fpga_stereo/ros/image_output.hpp"
-#include "fpga_stereo/ros/message_pool.hpp"
+#include "ros/frame.hpp"
+#include "ros/image_output.hpp"
+#include "ros/message_pool.hpp"
 
 namespace fpga_stereo {
 

@@ -5,10 +5,10 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/stages.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
 #include "fpga_stereo/core/spec.hpp"
-#include "fpga_stereo/core/stages.hpp"
 
 namespace fpga_stereo {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "fpga_stereo/link/device.hpp"
-#include "fpga_stereo/ros/verifier.hpp"
+#include "ros/verifier.hpp"
 
 namespace fpga_stereo {
 

@@ -14,7 +14,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "fpga_stereo/ros/board_settings.hpp"
+#include "ros/board_settings.hpp"
 
 namespace fpga_stereo {
 

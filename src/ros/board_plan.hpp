@@ -10,10 +10,10 @@
 #include "fpga_stereo/link/frame_sets.hpp"
 #include "fpga_stereo/link/identity.hpp"
 #include "fpga_stereo/link/session.hpp"
-#include "fpga_stereo/ros/board_settings.hpp"
-#include "fpga_stereo/ros/camera_topics.hpp"
-#include "fpga_stereo/ros/frame.hpp"
-#include "fpga_stereo/ros/rectifier.hpp"
+#include "ros/board_settings.hpp"
+#include "ros/camera_topics.hpp"
+#include "ros/frame.hpp"
+#include "ros/rectifier.hpp"
 
 namespace fpga_stereo {
 

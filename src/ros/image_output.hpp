@@ -6,7 +6,7 @@
 #include <functional>
 #include <opencv2/core.hpp>
 
-#include "fpga_stereo/ros/message_pool.hpp"
+#include "ros/message_pool.hpp"
 
 namespace fpga_stereo {
 

@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "fpga_stereo/core/pipeline.hpp"
-#include "fpga_stereo/ros/settings.hpp"
+#include "ros/settings.hpp"
 
 namespace fpga_stereo {
 

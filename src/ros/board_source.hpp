@@ -13,15 +13,15 @@
 #include <string>
 
 #include "fpga_stereo/link/device.hpp"
-#include "fpga_stereo/ros/board_frames.hpp"
-#include "fpga_stereo/ros/board_plan.hpp"
-#include "fpga_stereo/ros/board_settings.hpp"
-#include "fpga_stereo/ros/camera_topics.hpp"
-#include "fpga_stereo/ros/frame.hpp"
-#include "fpga_stereo/ros/health.hpp"
-#include "fpga_stereo/ros/stamp_gate.hpp"
-#include "fpga_stereo/ros/topic_input.hpp"
-#include "fpga_stereo/ros/verifier.hpp"
+#include "ros/board_frames.hpp"
+#include "ros/board_plan.hpp"
+#include "ros/board_settings.hpp"
+#include "ros/camera_topics.hpp"
+#include "ros/frame.hpp"
+#include "ros/health.hpp"
+#include "ros/stamp_gate.hpp"
+#include "ros/topic_input.hpp"
+#include "ros/verifier.hpp"
 
 namespace fpga_stereo {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 
-#include "fpga_stereo/core/reference_pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo {
