@@ -1,0 +1,41 @@
+# How this project's targets are compiled.
+
+# fpga_stereo_target(TARGET): language, warnings and sanitizers.
+function(fpga_stereo_target target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+  if(FPGA_STEREO_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(FPGA_STEREO_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${FPGA_STEREO_SANITIZE} -fno-omit-frame-pointer)
+    # GCC warns about its own std::regex when sanitizers are on.
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+    target_link_libraries(${target} -fsanitize=${FPGA_STEREO_SANITIZE})
+  endif()
+endfunction()
+
+# fpga_stereo_ros_target(TARGET): the same for targets that use ROS and this package's generated
+# headers. Headers of other packages are SYSTEM, because their warnings are not ours to fix.
+function(fpga_stereo_ros_target target)
+  fpga_stereo_target(${target})
+  target_include_directories(${target} SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+  add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+endfunction()
+
+# fpga_stereo_layer(TARGET LAYER): gives the target an include path that has the headers of its
+# layer and nothing else: a file that includes a header of a layer above its own does not compile.
+# The folder holds two links, fpga_stereo/LAYER (public headers) and LAYER (internal ones).
+function(fpga_stereo_layer target layer)
+  set(folder ${PROJECT_BINARY_DIR}/layers/${layer})
+  file(MAKE_DIRECTORY ${folder}/fpga_stereo)
+  if(EXISTS ${PROJECT_SOURCE_DIR}/include/fpga_stereo/${layer})
+    execute_process(COMMAND ${CMAKE_COMMAND} -E create_symlink
+      ${PROJECT_SOURCE_DIR}/include/fpga_stereo/${layer} ${folder}/fpga_stereo/${layer})
+  endif()
+  execute_process(COMMAND ${CMAKE_COMMAND} -E create_symlink
+    ${PROJECT_SOURCE_DIR}/src/${layer} ${folder}/${layer})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${folder}> $<INSTALL_INTERFACE:include>)
+endfunction()
