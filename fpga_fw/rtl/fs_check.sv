@@ -29,7 +29,7 @@ module fs_check #(
   input  logic [DBits-1:0]     winner_i,
   input  logic [DBits-1:0]     right_winner_i,
   input  logic [SumBits-1:0]   winner_sum_i,
-  input  logic [SumBits-1:0]   rival_sum_i,
+  input  logic [SumBits-1:0]   runner_up_sum_i,
   input  logic [5*SumBits-1:0] around_i,
   output logic                 valid_o,
   output logic                 sof_o,
@@ -63,7 +63,7 @@ module fs_check #(
   (* ram_style = "distributed" *) logic [DBits-1:0] right_winners[0:2**DBits-1];
   logic [DBits-1:0] right_winner_q;
   logic [ProductBits-1:0] product_q;
-  logic [SumBits-1:0] rival_sum_q;
+  logic [SumBits-1:0] runner_up_sum_q;
   logic [DBits-1:0] winner1_q, winner2_q;
   logic signed [9:0] highest_q, lowest_q;  // 0 - 255 .. 127 + 255
   logic signed [9:0] below_highest, above_lowest;
@@ -78,7 +78,7 @@ module fs_check #(
       next_column_q <= &column ? column : column + 1'b1;
       seen1_q <= winner_i <= column;
       product_q <= ProductBits'(uniqueness_i) * ProductBits'(winner_sum_i);
-      rival_sum_q <= rival_sum_i;
+      runner_up_sum_q <= runner_up_sum_i;
       winner1_q <= winner_i;
       around1_q <= around_i;
 
@@ -86,7 +86,7 @@ module fs_check #(
       seen2_q <= seen1_q;
       highest_q <= 10'(winner1_q) + 10'(disp12_max_diff_i);
       lowest_q <= 10'(winner1_q) - 10'(disp12_max_diff_i);
-      unique_q <= ProductBits'(rival_sum_q) > (product_q >> FactorBits);
+      unique_q <= ProductBits'(runner_up_sum_q) > (product_q >> FactorBits);
       winner2_q <= winner1_q;
       around2_q <= around1_q;
 

@@ -6,7 +6,7 @@
 /* verilator lint_off UNUSEDPARAM */  // no design uses every name
 package fs_pkg;
   // The specification hash.
-  localparam logic [31:0] SpecHash = 32'h7CBB1A63;
+  localparam logic [31:0] SpecHash = 32'hECCB4646;
 
   // Stages, in data order.
   localparam int StageRectify = 0;   // both images onto common rows
@@ -15,14 +15,14 @@ package fs_pkg;
   localparam int StageSelect = 3;    // the smallest sum, left and right
   localparam int StageCheck = 4;     // left-right and uniqueness
   localparam int StageSubpixel = 5;  // parabola through five sums
-  localparam int StageSpike = 6;     // small regions are dropped
+  localparam int StageSpeckle = 6;   // small regions are dropped
   localparam int NumStages = 7;
 
   // Constants.
   localparam int DisparityScale = 32;                          // units of a disparity per px
   localparam int DisparityBits = 16;                           // of a disparity, unsigned
   localparam logic [15:0] NoDisparity = 16'hFFFF;              // in a disparity image: none
-  localparam int SpikeLookAhead = 24;                          // rows below that a region may use
+  localparam int SpeckleLookAhead = 24;                        // rows below that a region may use
   localparam int MeshPitch = 8;                                // px between nodes
   localparam int MeshScale = 128;                              // units of a displacement per px
   localparam int MeshBits = 16;                                // of a displacement, signed
@@ -89,7 +89,7 @@ package fs_pkg;
 
   // SPEC_HASH (ro): of the specification that the gateware was made from
   localparam logic [7:0] RegSpecHash = 8'h01;
-  localparam logic [31:0] RegSpecHashReset = 32'h7CBB1A63;
+  localparam logic [31:0] RegSpecHashReset = 32'hECCB4646;
 
   // VERSION (ro): of protocol and gateware
   localparam logic [7:0] RegVersion = 8'h02;
@@ -194,7 +194,8 @@ package fs_pkg;
   localparam int UniquenessFactorLsb = 0;
   localparam int UniquenessFactorBits = 10;
 
-  // SPECKLE_SIZE (rw): regions of fewer pixels are dropped; 0 switches spike off; up to SpeckleMax
+  // SPECKLE_SIZE (rw): regions of fewer pixels are dropped; 0 switches speckle off; up to
+  // SpeckleMax
   localparam logic [7:0] RegSpeckleSize = 8'h16;
   localparam logic [31:0] RegSpeckleSizeReset = 32'h00000190;
   localparam int SpeckleSizePixelsLsb = 0;
@@ -231,7 +232,7 @@ package fs_pkg;
   localparam logic [7:0] RegFramesIn = 8'h30;
   localparam logic [31:0] RegFramesInReset = 32'h00000000;
 
-  // FRAMES_OUT (ro): frames of which the last pixel has left spike
+  // FRAMES_OUT (ro): frames of which the last pixel has left speckle
   localparam logic [7:0] RegFramesOut = 8'h31;
   localparam logic [31:0] RegFramesOutReset = 32'h00000000;
 
@@ -281,9 +282,9 @@ package fs_pkg;
   localparam logic [7:0] RegSignatureSubpixel = 8'h45;
   localparam logic [31:0] RegSignatureSubpixelReset = 32'h00000000;
 
-  // SIGNATURE_SPIKE (ro): the disparity
-  localparam logic [7:0] RegSignatureSpike = 8'h46;
-  localparam logic [31:0] RegSignatureSpikeReset = 32'h00000000;
+  // SIGNATURE_SPECKLE (ro): the disparity
+  localparam logic [7:0] RegSignatureSpeckle = 8'h46;
+  localparam logic [31:0] RegSignatureSpeckleReset = 32'h00000000;
 
   // BUILD_STREAMS (ro): what this build can send and take: bit s for stream s
   localparam logic [7:0] RegBuildStreams = 8'h60;

@@ -7,7 +7,7 @@
 //           C(k) = S(x, y, dL + k), k = -2..2, k = -2 in the lowest bits; 0 where dL + k is not in
 //           0..D-1
 // C++ twin  fpga_stereo::select
-// Schedule  left   ticks 1..6: winner and C (fs_select_left); 5..10: rival (fs_select_rival)
+// Schedule  left   ticks 1..6: winner and C (fs_select_left); 5..10: rival (fs_select_runner_up)
 //           right  a right pixel has seen all of its sums Disparities - 1 ticks after it came
 //                  (fs_select_right); that sets the latency
 //           So what is known of the left pixel waits in two memories of 36-bit words, from tick 6
@@ -34,7 +34,7 @@ module fs_select #(
   output logic [DBits-1:0]               winner_o,
   output logic [DBits-1:0]               right_winner_o,
   output logic [SumBits-1:0]             winner_sum_o,
-  output logic [SumBits-1:0]             rival_sum_o,
+  output logic [SumBits-1:0]             runner_up_sum_o,
   output logic [5*SumBits-1:0]           around_o
 );
   localparam int LatencyRows = 0;
@@ -49,7 +49,7 @@ module fs_select #(
   logic [Disparities*S-1:0] sums_q;  // tick 1
   logic [DBits-1:0] winner;
   logic [5*S-1:0] around;
-  logic [S-1:0] rival_sum;
+  logic [S-1:0] runner_up_sum;
   logic [4*Segments*S-1:0] quads;
   logic [6*Segments-1:0] below;
   logic [4*Segments-1:0] in_window;
@@ -62,10 +62,10 @@ module fs_select #(
     .quads_o(quads), .below_o(below), .in_window_o(in_window),
     .window_o(window), .begin_o(window_begin), .low_out_o(low_out), .high_out_o(high_out)
   );
-  fs_select_rival #(.Segments(Segments), .SumBits(S)) u_rival (
+  fs_select_runner_up #(.Segments(Segments), .SumBits(S)) u_runner_up (
     .clk_i, .en_i(en_i[0]), .quads_i(quads), .below_i(below), .in_window_i(in_window),
     .window_i(window), .begin_i(window_begin), .low_out_i(low_out), .high_out_i(high_out),
-    .rival_sum_o(rival_sum)
+    .runner_up_sum_o(runner_up_sum)
   );
 
   // Right: tick LatencyTicks.
@@ -117,12 +117,12 @@ module fs_select #(
   always_ff @(posedge clk_i) begin
     if (en_i[0]) begin
       memory6[write6_at_q] <= {valid, sof, sol, winner, around[3*S+:2*S], around[0+:2*S]};
-      memory10[write10_at_q] <= {rival_sum, centre_q};
+      memory10[write10_at_q] <= {runner_up_sum, centre_q};
       read6_q <= memory6[read_at_q];
       read10_q <= memory10[read_at_q];
 
       {winner_o, around_o[3*S+:2*S], around_o[0+:2*S]} <= read6_q[0+:Bits6-3];
-      {rival_sum_o, around_o[2*S+:S]} <= read10_q;
+      {runner_up_sum_o, around_o[2*S+:S]} <= read10_q;
     end
     if (!rst_ni || !filled_q) {valid_o, sof_o, sol_o} <= '0;
     else if (en_i[0]) {valid_o, sof_o, sol_o} <= read6_q[Bits6-1-:3];

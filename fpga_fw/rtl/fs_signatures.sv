@@ -25,7 +25,7 @@ module fs_signatures #(
   input  logic [DBits-1:0]                winner_i,
   input  logic [DBits-1:0]                right_winner_i,
   input  logic [SumBits-1:0]              winner_sum_i,
-  input  logic [SumBits-1:0]              rival_sum_i,
+  input  logic [SumBits-1:0]              runner_up_sum_i,
   input  logic [5*SumBits-1:0]            around_i,
   input  logic                            kept_i,
   input  logic [15:0]                     refined_i,
@@ -63,7 +63,7 @@ module fs_signatures #(
     if (en_i) begin
       rectify_q <= 32'({left_i, right_i});
       select_q <= 32'(winner_i) ^ (32'(right_winner_i) << 8) ^ (32'(winner_sum_i) << 16) ^
-          rotated(32'(rival_sum_i), 8) ^ around;
+          rotated(32'(runner_up_sum_i), 8) ^ around;
       kept_q <= kept_i;
       refined_q <= refined_i;
     end
@@ -89,10 +89,10 @@ module fs_signatures #(
   assign words[32*fs_pkg::StageCheck+:32] = 32'(kept_q);
   assign words[32*fs_pkg::StageSubpixel+:32] = 32'(refined_q);
   // No tick may follow the last pixel of the last frame: its word is taken as it leaves.
-  assign words[32*fs_pkg::StageSpike+:32] = 32'(disparity_i);
+  assign words[32*fs_pkg::StageSpeckle+:32] = 32'(disparity_i);
 
   for (genvar k = 0; k < fs_pkg::NumStages; k++) begin : g_stage
-    if (k == fs_pkg::StageSpike) begin : g_last
+    if (k == fs_pkg::StageSpeckle) begin : g_last
       assign valid[k] = valid_i[k];
       assign sof[k] = sof_i[k];
     end else if (k != fs_pkg::StageCensus && k != fs_pkg::StageMatch) begin : g_word

@@ -1,6 +1,6 @@
 // The stereo pipeline: pairs of raw pixels in, disparities out, one of each per clock.
 //
-//   fs_input -> rectify -> census -> match -> select -> check -> subpixel -> spike -> fs_output
+//   fs_input -> rectify -> census -> match -> select -> check -> subpixel -> speckle -> fs_output
 //
 // C++ twin  Pipeline in src/core/pipeline.cpp; src/core/stages.hpp
 // Schedule  fs_input makes ticks (en) of the pixels that come, fs_enable hands them out. Between the
@@ -11,7 +11,7 @@
 //             sol    first tick of a row, of bubble rows too
 //           Each stage hands on the same raster, later by its latency. Nothing else stalls, and no
 //           stage knows of blanking.
-// Latency   rectify: T_s pixels; census Reach, match CorrelationWindow / 2, spike its look-ahead and
+// Latency   rectify: T_s pixels; census Reach, match CorrelationWindow / 2, speckle its look-ahead and
 //           a few more rows; see fpga_fw/README.md.
 // Handshake streams with valid and ready at both ends (fs_stream_fifo); registers on a plain bus, the
 //           answer two clocks behind read_i (fs_registers); a configuration takes effect between
@@ -84,7 +84,7 @@ module fs_top #(
   localparam int SelectCopies = 2 + (Disparities + 15) / 16;
   localparam int CensusAt = RectifyCopies, MatchAt = CensusAt + CensusCopies;
   localparam int SelectAt = MatchAt + MatchCopies, CheckAt = SelectAt + SelectCopies;
-  localparam int SubpixelAt = CheckAt + 1, SpikeAt = SubpixelAt + 1, OutputAt = SpikeAt + 1;
+  localparam int SubpixelAt = CheckAt + 1, SpeckleAt = SubpixelAt + 1, OutputAt = SpeckleAt + 1;
   localparam int SignaturesAt = OutputAt + 1;
   logic [SignaturesAt:0] en;
   logic [fs_pkg::NumStages+1:0] stage_rst_n;  // the stages', the output's, that of the signatures
@@ -131,7 +131,7 @@ module fs_top #(
 
   // The settings for the stages: they change only in a reset of the stages, and yet each of their
   // ways across the chip is one that must be short. Kept, as the copies in fs_enable.
-  localparam int SizeRectify = 0, SizeCensus = 1, SizeMatch = 2, SizeSpike = 3;
+  localparam int SizeRectify = 0, SizeCensus = 1, SizeMatch = 2, SizeSpeckle = 3;
   logic [4*12-1:0] width_q, height_q;
   for (genvar k = 0; k < 4; k++) begin : g_size
     (* keep *) always_ff @(posedge clk_i) begin
@@ -230,7 +230,7 @@ module fs_top #(
 
   logic select_valid, select_sof, select_sol;
   logic [DBits-1:0] winner, right_winner;
-  logic [SumBits-1:0] winner_sum, rival_sum;
+  logic [SumBits-1:0] winner_sum, runner_up_sum;
   logic [5*SumBits-1:0] around;
   fs_select #(
     .Disparities(Disparities), .SumBits(SumBits), .Copies(SelectCopies)
@@ -240,7 +240,7 @@ module fs_top #(
     .valid_i(match_valid), .sof_i(match_sof), .sol_i(match_sol), .sums_i(sums),
     .valid_o(select_valid), .sof_o(select_sof), .sol_o(select_sol),
     .winner_o(winner), .right_winner_o(right_winner), .winner_sum_o(winner_sum),
-    .rival_sum_o(rival_sum), .around_o(around)
+    .runner_up_sum_o(runner_up_sum), .around_o(around)
   );
 
   logic check_valid, check_sof, check_sol, kept;
@@ -253,7 +253,7 @@ module fs_top #(
     .disp12_max_diff_i(disp12_max_diff_q), .uniqueness_i(uniqueness_q),
     .valid_i(select_valid), .sof_i(select_sof), .sol_i(select_sol),
     .winner_i(winner), .right_winner_i(right_winner), .winner_sum_i(winner_sum),
-    .rival_sum_i(rival_sum), .around_i(around),
+    .runner_up_sum_i(runner_up_sum), .around_i(around),
     .valid_o(check_valid), .sof_o(check_sof), .sol_o(check_sol),
     .kept_o(kept), .winner_o(check_winner), .around_o(check_around)
   );
@@ -269,24 +269,24 @@ module fs_top #(
     .disparity_o(refined)
   );
 
-  logic spike_valid, spike_sof, spike_sol;
+  logic speckle_valid, speckle_sof, speckle_sol;
   logic [15:0] disparity;
-  fs_spike #(
+  fs_speckle #(
     .MaxWidth(MaxWidth), .DisparityBits($clog2(Disparities * fs_pkg::DisparityScale))
-  ) u_spike (
-    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSpike]),
-    .en_i(en[SpikeAt]),
-    .width_i(width_q[12*SizeSpike+:12]), .height_i(height_q[12*SizeSpike+:12]),
+  ) u_speckle (
+    .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSpeckle]),
+    .en_i(en[SpeckleAt]),
+    .width_i(width_q[12*SizeSpeckle+:12]), .height_i(height_q[12*SizeSpeckle+:12]),
     .speckle_size_i(speckle_size_q), .speckle_range_i(speckle_range_q),
     .valid_i(subpixel_valid), .sof_i(subpixel_sof), .sol_i(subpixel_sol), .disparity_i(refined),
-    .valid_o(spike_valid), .sof_o(spike_sof), .sol_o(spike_sol), .disparity_o(disparity)
+    .valid_o(speckle_valid), .sof_o(speckle_sof), .sol_o(speckle_sol), .disparity_o(disparity)
   );
 
   // The raster becomes the stream.
   fs_output #(.MaxFrames(MaxFrames), .EnableClocks(2)) u_output (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .stage_rst_ni(stage_rst_n[fs_pkg::NumStages]), .en_i(en[OutputAt]),
-    .valid_i(spike_valid), .sof_i(spike_sof), .sol_i(spike_sol), .disparity_i(disparity),
+    .valid_i(speckle_valid), .sof_i(speckle_sof), .sol_i(speckle_sol), .disparity_i(disparity),
     .room_i, .room_o(room),
     .frame_out_o(frame_out), .frame_in_i(frame_in), .frame_bad_i(frame_bad),
     .buffer_sof_i(rectify_sof), .buffer_error_i(left_error | right_error),
@@ -320,12 +320,12 @@ module fs_top #(
   ) u_signatures (
     .clk_i, .rst_ni, .stage_rst_ni(stage_rst_n[fs_pkg::NumStages+1]),
     .en_i(en[SignaturesAt]), .busy_i(busy),
-    .valid_i({spike_valid, subpixel_valid, check_valid, select_valid, match_valid, census_valid,
+    .valid_i({speckle_valid, subpixel_valid, check_valid, select_valid, match_valid, census_valid,
               rectify_valid}),
-    .sof_i({spike_sof, subpixel_sof, check_sof, select_sof, match_sof, census_sof, rectify_sof}),
+    .sof_i({speckle_sof, subpixel_sof, check_sof, select_sof, match_sof, census_sof, rectify_sof}),
     .left_i(left), .right_i(right), .census_left_i(enter_left), .census_right_i(enter_right),
     .sums_i(sums), .winner_i(winner), .right_winner_i(right_winner), .winner_sum_i(winner_sum),
-    .rival_sum_i(rival_sum), .around_i(around), .kept_i(kept), .refined_i(refined),
+    .runner_up_sum_i(runner_up_sum), .around_i(around), .kept_i(kept), .refined_i(refined),
     .disparity_i(disparity), .signatures_o(signatures)
   );
 endmodule

@@ -109,7 +109,7 @@ void Gateware::idle(int num_clocks) {
 }
 
 Status Gateware::configure(const Parameters& parameters, const StereoRectification& rectification) {
-  const auto made = configuration(build_, parameters, rectification);
+  const auto made = make_gateware_configuration(build_, parameters, rectification);
   if (!made) return made.error();
   const std::vector<RegisterWrite> writes = made->writes();
   write(spec::kRegErrors, spec::kErrorsConfig.mask());

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "fpga_stereo/core/calibration.hpp"
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/core/spec.hpp"

@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
 #include "fpga_stereo/link/decoder.hpp"
 #include "fpga_stereo/link/frame_assembler.hpp"

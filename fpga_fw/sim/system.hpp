@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "sim/chance.hpp"
 #include "sim/gateware.hpp"

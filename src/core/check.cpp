@@ -18,7 +18,7 @@ void check(const Selection& s, const Parameters& p, cv::Range rows, cv::Mat1b& k
         keep = x - d >= 0 && std::abs(s.right_winner(y, x - d) - d) <= p.disp12MaxDiff;
       }
       if (p.uniqueness_check) {
-        keep = keep && kUniquenessScale * s.rival_sum(y, x) > factor * s.winner_sum(y, x);
+        keep = keep && kUniquenessScale * s.runner_up_sum(y, x) > factor * s.winner_sum(y, x);
       }
       kept(y, x) = keep ? 1 : 0;
     }

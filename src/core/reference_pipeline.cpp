@@ -47,8 +47,8 @@ const Taps& ReferencePipeline::process(const cv::Mat1b& left_raw, const cv::Mat1
         [&](cv::Range rows) { subpixel(t.selection, t.kept, parameters, rows, t.refined); });
   const auto start = Clock::now();
   t.refined.copyTo(t.disparity);
-  spike(parameters, t.disparity);
-  t.ms[static_cast<std::size_t>(Stage::kSpike)] = ms_since(start);
+  speckle(parameters, t.disparity);
+  t.ms[static_cast<std::size_t>(Stage::kSpeckle)] = ms_since(start);
   return t;
 }
 

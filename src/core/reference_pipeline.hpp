@@ -22,7 +22,7 @@ struct Taps {
   Selection selection;
   cv::Mat1b kept;
   cv::Mat1w refined;    // of subpixel
-  cv::Mat1w disparity;  // of spike: the result, 1/32 px, kNoDisparity = none
+  cv::Mat1w disparity;  // of speckle: the result, 1/32 px, kNoDisparity = none
   StageTimes ms{};
 };
 

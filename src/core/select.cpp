@@ -10,7 +10,7 @@ void create(Selection& out, cv::Size size) {
   out.winner.create(size);
   out.right_winner.create(size);
   out.winner_sum.create(size);
-  out.rival_sum.create(size);
+  out.runner_up_sum.create(size);
   out.around.create(size);
 }
 
@@ -20,7 +20,7 @@ void select(const cv::Mat1w& sums, int y, Selection& out) {
   std::uint8_t* winner = out.winner[y];
   std::uint8_t* right_winner = out.right_winner[y];
   std::uint16_t* winner_sum = out.winner_sum[y];
-  std::uint16_t* rival_sum = out.rival_sum[y];
+  std::uint16_t* runner_up_sum = out.runner_up_sum[y];
 
   // Winner-takes-all of the left pixels; "<" keeps the lowest d on a tie.
   std::copy(sums[0], sums[0] + width, winner_sum);
@@ -35,25 +35,25 @@ void select(const cv::Mat1w& sums, int y, Selection& out) {
   }
 
   // The right pixel xr sees the left pixel xr + d: the diagonal of the same sums (the paper's
-  // Fig. 6). rival_sum serves as the running minimum.
-  std::copy(sums[0], sums[0] + width, rival_sum);
+  // Fig. 6). runner_up_sum serves as the running minimum.
+  std::copy(sums[0], sums[0] + width, runner_up_sum);
   std::fill(right_winner, right_winner + width, std::uint8_t{0});
   for (int d = 1; d < std::min(range, width); ++d) {
     const std::uint16_t* sum = sums[d] + d;
     for (int x = 0; x < width - d; ++x) {
-      const bool better = sum[x] < rival_sum[x];
+      const bool better = sum[x] < runner_up_sum[x];
       right_winner[x] = better ? static_cast<std::uint8_t>(d) : right_winner[x];
-      rival_sum[x] = better ? sum[x] : rival_sum[x];
+      runner_up_sum[x] = better ? sum[x] : runner_up_sum[x];
     }
   }
 
   // Neighbours of the winner are no rivals: a minimum between two pixels makes both low.
-  std::fill(rival_sum, rival_sum + width, std::uint16_t{0xFFFF});
+  std::fill(runner_up_sum, runner_up_sum + width, std::uint16_t{0xFFFF});
   for (int d = 0; d < range; ++d) {
     const std::uint16_t* sum = sums[d];
     for (int x = 0; x < width; ++x) {
       const bool rival = std::abs(d - winner[x]) > 1;
-      rival_sum[x] = rival ? std::min(rival_sum[x], sum[x]) : rival_sum[x];
+      runner_up_sum[x] = rival ? std::min(runner_up_sum[x], sum[x]) : runner_up_sum[x];
     }
   }
 

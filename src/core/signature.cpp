@@ -33,7 +33,8 @@ std::uint32_t match_word(const cv::Mat1w& sums, int x) {
 
 std::uint32_t select_word(const Selection& s, int x, int y) {
   std::uint32_t word = s.winner(y, x) ^ std::uint32_t{s.right_winner(y, x)} << 8 ^
-                       std::uint32_t{s.winner_sum(y, x)} << 16 ^ rotate_left(s.rival_sum(y, x), 8);
+                       std::uint32_t{s.winner_sum(y, x)} << 16 ^
+                       rotate_left(s.runner_up_sum(y, x), 8);
   for (int k = 0; k < 5; ++k) word ^= rotate_left(s.around(y, x)[k], 5 * k);
   return word;
 }
@@ -68,7 +69,7 @@ std::array<std::uint32_t, kNumStages> stage_signatures(const Taps& taps, const P
       add(Stage::kSelect, select_word(taps.selection, x, y));
       add(Stage::kCheck, taps.kept(y, x));
       add(Stage::kSubpixel, taps.refined(y, x));
-      add(Stage::kSpike, taps.disparity(y, x));
+      add(Stage::kSpeckle, taps.disparity(y, x));
     }
   }
   std::array<std::uint32_t, kNumStages> values{};

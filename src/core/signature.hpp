@@ -28,7 +28,7 @@ class Signature {
   std::uint32_t value_;
 };
 
-/// The word of one pixel. For check it is `kept`, for subpixel and spike the disparity.
+/// The word of one pixel. For check it is `kept`, for subpixel and speckle the disparity.
 std::uint32_t rectify_word(std::uint8_t left, std::uint8_t right);
 /// Census bits of a pixel, as census packs them into `words` words.
 std::uint32_t census_word(const std::uint32_t* left, const std::uint32_t* right, int words);

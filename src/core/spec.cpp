@@ -49,7 +49,7 @@ const std::vector<Register>& register_table() {
            {"buffer_left", kErrorsBufferLeft, "", "rectify read what is not in the left buffer"},
            {"buffer_right", kErrorsBufferRight, "", "rectify read what is not in the right buffer"},
            {"config", kErrorsConfig, "", "apply refused: WIDTH, HEIGHT or READ_START out of range"},
-           {"labels", kErrorsLabels, "", "spike ran out of labels; always 0 in this design"},
+           {"labels", kErrorsLabels, "", "speckle ran out of labels; always 0 in this design"},
        }},
       {"WIDTH", kRegWidth, Access::kReadWrite, kRegWidthReset,
        "of the image, GatewareMinWidth to BUILD.max_width", {
@@ -79,7 +79,7 @@ const std::vector<Register>& register_table() {
            {"factor", kUniquenessFactor, "uniqueness_ratio", "in 1/UniquenessScale"},
        }},
       {"SPECKLE_SIZE", kRegSpeckleSize, Access::kReadWrite, kRegSpeckleSizeReset,
-       "regions of fewer pixels are dropped; 0 switches spike off; up to SpeckleMax", {
+       "regions of fewer pixels are dropped; 0 switches speckle off; up to SpeckleMax", {
            {"pixels", kSpeckleSizePixels, "speckle_size", "px"},
        }},
       {"SPECKLE_RANGE", kRegSpeckleRange, Access::kReadWrite, kRegSpeckleRangeReset,
@@ -103,7 +103,7 @@ const std::vector<Register>& register_table() {
        "frames that have started at the input", {
        }},
       {"FRAMES_OUT", kRegFramesOut, Access::kReadOnly, kRegFramesOutReset,
-       "frames of which the last pixel has left spike", {
+       "frames of which the last pixel has left speckle", {
        }},
       {"CUT_FRAMES", kRegCutFrames, Access::kReadOnly, kRegCutFramesReset,
        "frames with ERRORS.cut_frame", {
@@ -138,7 +138,7 @@ const std::vector<Register>& register_table() {
       {"SIGNATURE_SUBPIXEL", kRegSignatureSubpixel, Access::kReadOnly, kRegSignatureSubpixelReset,
        "the disparity", {
        }},
-      {"SIGNATURE_SPIKE", kRegSignatureSpike, Access::kReadOnly, kRegSignatureSpikeReset,
+      {"SIGNATURE_SPECKLE", kRegSignatureSpeckle, Access::kReadOnly, kRegSignatureSpeckleReset,
        "the disparity", {
        }},
       {"BUILD_STREAMS", kRegBuildStreams, Access::kReadOnly, {},

@@ -1,7 +1,7 @@
 // The data path on one screen: one function per stage, in data order. fpga_fw/spec/pipeline.md
 // defines what each computes, bit for bit; these functions state that definition and are normative.
 //
-//   rectify -> census -> match -> select -> check -> subpixel -> spike
+//   rectify -> census -> match -> select -> check -> subpixel -> speckle
 //
 // Images are W x H, at any row pitch. A stage writes the rows it is given (cv::Range::all() = the
 // image) and creates its output where it has not the right size yet, so bands of rows may run in
@@ -24,7 +24,7 @@ struct Selection {
   cv::Mat1b winner;                            // dL, the disparity with the smallest sum
   cv::Mat1b right_winner;                      // dR
   cv::Mat1w winner_sum;                        // v1 = S(dL)
-  cv::Mat1w rival_sum;                         // v2, the smallest sum but for dL-1, dL, dL+1
+  cv::Mat1w runner_up_sum;                     // v2, the smallest sum but for dL-1, dL, dL+1
   cv::Mat_<cv::Vec<std::uint16_t, 5>> around;  // S(dL-2) .. S(dL+2); 0 beyond the search range
 };
 
@@ -67,6 +67,6 @@ void subpixel(const Selection& s, const cv::Mat1b& kept, const Parameters& p, cv
               cv::Mat1w& disparity);
 
 /// Small regions of `disparity` become kNoDisparity; in place, the whole image.
-void spike(const Parameters& p, cv::Mat1w& disparity);
+void speckle(const Parameters& p, cv::Mat1w& disparity);
 
 }  // namespace fpga_stereo

@@ -25,7 +25,7 @@ bool wants_raw(const CameraDemand& d) { return d.mono || d.color; }
 Result<GatewareConfiguration> raw_configuration(const GatewareBuild& build, cv::Size size) {
   StereoGeometry geometry;
   geometry.image_size = size;
-  return configuration(build, parameters_of(build), no_rectification(geometry, 0));
+  return make_gateware_configuration(build, parameters_of(build), no_rectification(geometry, 0));
 }
 
 }  // namespace
@@ -96,8 +96,9 @@ void BoardPlan::configure() {
   const auto& rectification =
       rectifier_(infos_.left, infos_.right, node_settings_.pipeline.min_disparity);
   Result<GatewareConfiguration> able =
-      rectification ? configuration(identity_->build, node_settings_.pipeline, **rectification)
-                    : Result<GatewareConfiguration>(rectification.error());
+      rectification
+          ? make_gateware_configuration(identity_->build, node_settings_.pipeline, **rectification)
+          : Result<GatewareConfiguration>(rectification.error());
   if (const std::string missing = missing_stream(); able && !missing.empty()) {
     able = Error{ErrorKind::kInvalid, missing};
   }

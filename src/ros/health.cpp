@@ -79,7 +79,7 @@ StereoStatus Health::report(bool restart) {
     s.select_ms = stage(Stage::kSelect);
     s.check_ms = stage(Stage::kCheck);
     s.subpixel_ms = stage(Stage::kSubpixel);
-    s.spike_ms = stage(Stage::kSpike);
+    s.speckle_ms = stage(Stage::kSpeckle);
     s.publish_ms = mean(publish_ms_);
   }
   if (!link_latency_ms_.empty()) {

@@ -15,7 +15,7 @@ Selection agreeing_row() {
   s.winner = 5;
   s.right_winner = 5;
   s.winner_sum = 10;
-  s.rival_sum = 1000;
+  s.runner_up_sum = 1000;
   return s;
 }
 
@@ -26,7 +26,7 @@ Selection random_selection(cv::Size size, int range, unsigned seed) {
   rng.fill(s.winner, cv::RNG::UNIFORM, 0, range);
   rng.fill(s.right_winner, cv::RNG::UNIFORM, 0, range);
   rng.fill(s.winner_sum, cv::RNG::UNIFORM, 0, 52921);
-  rng.fill(s.rival_sum, cv::RNG::UNIFORM, 0, 52921);
+  rng.fill(s.runner_up_sum, cv::RNG::UNIFORM, 0, 52921);
   return s;
 }
 
@@ -36,10 +36,10 @@ cv::Mat1b check_of(const Selection& s, const Parameters& p) {
   return kept;
 }
 
-bool unique(double ratio, int winner_sum, int rival_sum) {
+bool unique(double ratio, int winner_sum, int runner_up_sum) {
   Selection s = agreeing_row();
   s.winner_sum = winner_sum;
-  s.rival_sum = rival_sum;
+  s.runner_up_sum = runner_up_sum;
   Parameters p;
   p.uniqueness_ratio = ratio;
   return check_of(s, p)(0, 10) == 1;
@@ -97,8 +97,8 @@ TEST(Check, RatioIsRoundedToTheNearest256th) {
 
 TEST(Check, EachCanBeSwitchedOff) {
   Selection s = agreeing_row();
-  s.right_winner(0, 5) = 100;  // pixel 10 disagrees
-  s.rival_sum(0, 12) = 10;     // pixel 12 is not unique
+  s.right_winner(0, 5) = 100;   // pixel 10 disagrees
+  s.runner_up_sum(0, 12) = 10;  // pixel 12 is not unique
   for (const bool left_right : {false, true}) {
     for (const bool uniqueness : {false, true}) {
       Parameters p;
@@ -130,7 +130,7 @@ TEST(Check, EqualsTheNaiveModel) {
           s.winner = padded(s.winner, 1);
           s.right_winner = padded(s.right_winner, 2);
           s.winner_sum = padded(s.winner_sum, 3);
-          s.rival_sum = padded(s.rival_sum, 4);
+          s.runner_up_sum = padded(s.runner_up_sum, 4);
           ASSERT_TRUE(same("check", expected, check_of(s, p), {p, seed, "padded"}));
         }
       }

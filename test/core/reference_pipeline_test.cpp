@@ -30,7 +30,7 @@ Taps naive_taps(const cv::Mat1b& left, const cv::Mat1b& right, const StereoRecti
   t.selection = naive::select(naive::match(t.left_bits, t.right_bits, p));
   t.kept = naive::check(t.selection, p);
   t.refined = naive::subpixel(t.selection, t.kept, p);
-  t.disparity = naive::spike(t.refined, p);
+  t.disparity = naive::speckle(t.refined, p);
   return t;
 }
 
@@ -43,13 +43,13 @@ Taps naive_taps(const cv::Mat1b& left, const cv::Mat1b& right, const StereoRecti
   if (result) result = test::same("select", expected.selection, actual.selection, c);
   if (result) result = test::same("check", expected.kept, actual.kept, c);
   if (result) result = test::same("subpixel", expected.refined, actual.refined, c);
-  if (result) result = test::same("spike", expected.disparity, actual.disparity, c);
+  if (result) result = test::same("speckle", expected.disparity, actual.disparity, c);
   return result;
 }
 
 TEST(ReferencePipeline, StageNamesInDataOrder) {
-  const std::vector<std::string> expected{"rectify", "census",   "match", "select",
-                                          "check",   "subpixel", "spike"};
+  const std::vector<std::string> expected{"rectify", "census",   "match",  "select",
+                                          "check",   "subpixel", "speckle"};
   EXPECT_EQ(std::vector<std::string>(kStageNames.begin(), kStageNames.end()), expected);
   EXPECT_STREQ(kStageNames[static_cast<std::size_t>(Stage::kMatch)], "match");
 }

@@ -28,7 +28,7 @@ TEST(Select, ByHand) {
   const Selection s = select_row(same_for_every_x({90, 80, 30, 20, 40, 70, 60, 95}, 12));
   EXPECT_EQ(s.winner(0, 5), 3);
   EXPECT_EQ(s.winner_sum(0, 5), 20);
-  EXPECT_EQ(s.rival_sum(0, 5), 60) << "30 and 40 are next to the winner";
+  EXPECT_EQ(s.runner_up_sum(0, 5), 60) << "30 and 40 are next to the winner";
   EXPECT_EQ(s.around(0, 5), Around(80, 30, 20, 40, 70));
   EXPECT_EQ(s.right_winner(0, 5), 3);
   // xr + d < W: the last right pixels see fewer disparities.
@@ -43,7 +43,7 @@ TEST(Select, LowestDisparityOnATie) {
   EXPECT_EQ(s.winner(0, 0), 1);
   EXPECT_EQ(s.right_winner(0, 0), 1);
   EXPECT_EQ(s.winner_sum(0, 0), 5);
-  EXPECT_EQ(s.rival_sum(0, 0), 5) << "an equal sum further away is a rival";
+  EXPECT_EQ(s.runner_up_sum(0, 0), 5) << "an equal sum further away is a rival";
 }
 
 TEST(Select, FlatSums) {
@@ -52,7 +52,7 @@ TEST(Select, FlatSums) {
     EXPECT_EQ(cv::countNonZero(s.winner), 0);
     EXPECT_EQ(cv::countNonZero(s.right_winner), 0);
     EXPECT_EQ(s.winner_sum(0, 1), value);
-    EXPECT_EQ(s.rival_sum(0, 1), value);
+    EXPECT_EQ(s.runner_up_sum(0, 1), value);
     EXPECT_EQ(s.around(0, 1), Around(0, 0, value, value, value));
   }
 }
@@ -71,11 +71,11 @@ TEST(Select, AroundIsZeroBeyondTheRange) {
   EXPECT_EQ(around(7), Around(16, 17, 1, 0, 0));
 }
 
-TEST(Select, OnlyDirectNeighboursAreNoRivals) {
+TEST(Select, OnlyDirectNeighboursAreNoRunnerUps) {
   std::vector<std::uint16_t> sums{50, 50, 3, 2, 1, 2, 4, 50};
-  EXPECT_EQ(select_row(same_for_every_x(sums, 1)).rival_sum(0, 0), 3);
+  EXPECT_EQ(select_row(same_for_every_x(sums, 1)).runner_up_sum(0, 0), 3);
   sums[2] = 50;
-  EXPECT_EQ(select_row(same_for_every_x(sums, 1)).rival_sum(0, 0), 4);
+  EXPECT_EQ(select_row(same_for_every_x(sums, 1)).runner_up_sum(0, 0), 4);
 }
 
 TEST(Select, RightWinnerFollowsTheDiagonal) {

@@ -115,12 +115,12 @@ TEST(SignatureWord, SelectByHand) {
   s.winner = 0x11;
   s.right_winner = 0x22;
   s.winner_sum = std::uint16_t{0x3344};
-  s.rival_sum = std::uint16_t{0};
+  s.runner_up_sum = std::uint16_t{0};
   s.around(0, 1) = {0, 0, 0, 0, 0};
   EXPECT_EQ(select_word(s, 1, 0), 0x33442211U);
-  s.rival_sum(0, 1) = 0xABCD;
+  s.runner_up_sum(0, 1) = 0xABCD;
   EXPECT_EQ(select_word(s, 1, 0), 0x33442211U ^ 0x00ABCD00U);
-  s.rival_sum(0, 1) = 0;
+  s.runner_up_sum(0, 1) = 0;
   s.around(0, 1) = {1, 1, 1, 1, 0x1234};  // at bits 0, 5, 10, 15; 0x1234 rotated by 20
   EXPECT_EQ(select_word(s, 1, 0), 0x33442211U ^ 0x00008421U ^ 0x23400001U);
 }
@@ -190,10 +190,10 @@ TEST(StageSignatures, NameTheStageThatDiffers) {
   EXPECT_EQ(differing([](Taps&) {}), "");
   EXPECT_EQ(differing([&](Taps& t) { flipped(t.left); }), "rectify ");
   EXPECT_EQ(differing([&](Taps& t) { flipped(t.right_bits); }), "census match ");
-  EXPECT_EQ(differing([&](Taps& t) { flipped(t.selection.rival_sum); }), "select ");
+  EXPECT_EQ(differing([&](Taps& t) { flipped(t.selection.runner_up_sum); }), "select ");
   EXPECT_EQ(differing([&](Taps& t) { flipped(t.kept); }), "check ");
   EXPECT_EQ(differing([&](Taps& t) { flipped(t.refined); }), "subpixel ");
-  EXPECT_EQ(differing([&](Taps& t) { flipped(t.disparity); }), "spike ");
+  EXPECT_EQ(differing([&](Taps& t) { flipped(t.disparity); }), "speckle ");
 }
 
 }  // namespace

@@ -103,7 +103,8 @@ TEST_P(Kernels, MatchAndSelect) {
           };
           ASSERT_TRUE(same("winner", expected.winner.row(y), row_of(row.winner), c));
           ASSERT_TRUE(same("winner_sum", expected.winner_sum.row(y), row_of(row.winner_sum), c));
-          ASSERT_TRUE(same("rival_sum", expected.rival_sum.row(y), row_of(row.rival_sum), c));
+          ASSERT_TRUE(
+              same("runner_up_sum", expected.runner_up_sum.row(y), row_of(row.runner_up_sum), c));
           ASSERT_TRUE(same("right", expected.right_winner.row(y), row_of(row.right_winner), c));
           for (int x = 0; x < size.width; ++x) {
             for (int k = 0; k < 5; ++k) {
@@ -136,7 +137,7 @@ struct Selected {
       images.winner(0, x) = row.winner[x];
       images.right_winner(0, x) = row.right_winner[x];
       images.winner_sum(0, x) = row.winner_sum[x];
-      images.rival_sum(0, x) = row.rival_sum[x];
+      images.runner_up_sum(0, x) = row.runner_up_sum[x];
       for (int k = 0; k < 5; ++k) images.around(0, x)[k] = row.around[k][x];
     }
   }
@@ -157,7 +158,7 @@ TEST_P(Kernels, CheckAndSubpixel) {
         s.row.right_winner[x] = static_cast<std::uint8_t>(
             rng.uniform(0, 2) != 0 ? rng.uniform(0, range) : s.row.winner[x]);
         s.row.winner_sum[x] = static_cast<std::uint16_t>(rng.uniform(0, most + 1));
-        s.row.rival_sum[x] = static_cast<std::uint16_t>(rng.uniform(0, most + 1));
+        s.row.runner_up_sum[x] = static_cast<std::uint16_t>(rng.uniform(0, most + 1));
         for (auto* sums : s.row.around) {
           // Both ends often: the steepest and the flattest parabolas.
           const int kind = rng.uniform(0, 4);
@@ -191,7 +192,7 @@ TEST_P(Kernels, CheckAndSubpixel) {
   }
 }
 
-TEST_P(Kernels, Spike) {
+TEST_P(Kernels, Speckle) {
   cv::RNG rng(23);
   simd::Regions regions;
   for (const cv::Size size : {cv::Size(1, 1), {1, 60}, {63, 50}, {64, 30}, {65, 30}, {200, 90}}) {
@@ -208,11 +209,12 @@ TEST_P(Kernels, Spike) {
           p.speckle_size = least;
           p.speckle_range = least % 3;
           cv::Mat1w expected = disparity.clone();
-          spike(p, expected);
+          speckle(p, expected);
           cv::Mat1w copy = wide.clone();
           cv::Mat1w actual = copy(cv::Rect({simd::kBorder, 0}, size));
           regions.remove_small(actual, p.speckle_range * kDisparityScale, p.speckle_size);
-          ASSERT_TRUE(same("spike", expected, actual, {p, 23, std::to_string(levels) + " levels"}));
+          ASSERT_TRUE(
+              same("speckle", expected, actual, {p, 23, std::to_string(levels) + " levels"}));
         }
       }
     }

@@ -58,8 +58,8 @@ class Rig {
   void want() {
     link::Wanted wanted;
     const auto setting = SessionRig::setting(4);
-    wanted.configuration =
-        *configuration(SessionRig::small_board().build, setting.parameters, setting.rectification);
+    wanted.configuration = *make_gateware_configuration(SessionRig::small_board().build,
+                                                        setting.parameters, setting.rectification);
     wanted.tag = 4;
     wanted.streams = kDisparity;
     device->want(wanted);

@@ -50,7 +50,8 @@ cv::Mat1w SessionRig::expected(const sim::RawPair& pair, const Setting& setting)
 
 link::Wanted SessionRig::wanted(const Setting& setting, std::uint64_t tag, unsigned streams) const {
   link::Wanted wanted;
-  auto made = configuration(small_board().build, setting.parameters, setting.rectification);
+  auto made =
+      make_gateware_configuration(small_board().build, setting.parameters, setting.rectification);
   if (!made) throw std::runtime_error(made.error().message);
   wanted.configuration = *made;
   wanted.tag = tag;

@@ -53,7 +53,7 @@ TEST(Lazy, RectifiedImagesAloneNeedNoMatching) {
       rig.status_when([](const StereoStatus& s) { return s.publish_ms > 0; });
   EXPECT_GT(status.publish_ms, 0);
   EXPECT_EQ(status.match_ms, 0);
-  EXPECT_EQ(status.spike_ms, 0);
+  EXPECT_EQ(status.speckle_ms, 0);
 }
 
 TEST(Reconfigure, TakesEffectWhileTheNodeRuns) {

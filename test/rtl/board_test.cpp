@@ -99,7 +99,7 @@ class BoardRig {
     return link::Identity::from_values(values_);
   }
   void configure(const GatewareBuild& build) {
-    const auto made = configuration(build, parameters, rectification);
+    const auto made = make_gateware_configuration(build, parameters, rectification);
     ASSERT_TRUE(made) << made.error().message;
     for (const bool right : {false, true}) {
       const auto& mesh = made->mesh[right ? 1 : 0];

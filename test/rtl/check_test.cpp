@@ -55,7 +55,7 @@ RasterResult compare(const std::vector<Selection>& frames, const Parameters& p, 
         set_bits(model.winner_i, 0, index_bits, s.winner(y, x));
         set_bits(model.right_winner_i, 0, index_bits, s.right_winner(y, x));
         set_bits(model.winner_sum_i, 0, sum_bits, s.winner_sum(y, x));
-        set_bits(model.rival_sum_i, 0, sum_bits, s.rival_sum(y, x));
+        set_bits(model.runner_up_sum_i, 0, sum_bits, s.runner_up_sum(y, x));
         for (int k = 0; k < 5; ++k) {
           set_bits(model.around_i, k * sum_bits, sum_bits, s.around(y, x)[k]);
         }
@@ -64,7 +64,7 @@ RasterResult compare(const std::vector<Selection>& frames, const Parameters& p, 
         set_random(model.winner_i, index_bits, random);
         set_random(model.right_winner_i, index_bits, random);
         set_random(model.winner_sum_i, sum_bits, random);
-        set_random(model.rival_sum_i, sum_bits, random);
+        set_random(model.runner_up_sum_i, sum_bits, random);
       },
       [&](int frame, int x, int y) {
         kept[frame](y, x) = model.kept_o;
@@ -112,7 +112,7 @@ class RtlCheck : public ::testing::Test {
         const int v2 =
             below(8) == 0 ? below(kLargest + 1) : uniqueness_factor(p) * v1 / 256 + below(3) - 1;
         s.winner_sum(y, x) = static_cast<std::uint16_t>(v1);
-        s.rival_sum(y, x) = static_cast<std::uint16_t>(std::clamp(v2, 0, kLargest));
+        s.runner_up_sum(y, x) = static_cast<std::uint16_t>(std::clamp(v2, 0, kLargest));
       }
       for (int x = 0; x < size.width; ++x) {
         const int d = below(std::min(kRange, x + 2));
@@ -173,7 +173,7 @@ TYPED_TEST(RtlCheck, Ends) {
     for (int y = 0; y < 4; ++y) {
       s.right_winner(y, x) = y == 2 ? static_cast<std::uint8_t>(last) : falling;
       s.winner_sum(y, x) = static_cast<std::uint16_t>(x % 3 == 0 ? this->kLargest : 0);
-      s.rival_sum(y, x) = static_cast<std::uint16_t>(x % 2 == 0 ? this->kLargest : 0);
+      s.runner_up_sum(y, x) = static_cast<std::uint16_t>(x % 2 == 0 ? this->kLargest : 0);
       s.around(y, x) = {0, 1, 2, 3, static_cast<std::uint16_t>(this->kLargest)};
     }
   }

@@ -1,5 +1,5 @@
 // For tests: the two ends of the pipeline, its registers and signatures, with stages between them
-// that only delay: fs_input -> "rectify" -> "spike" -> fs_output.
+// that only delay: fs_input -> "rectify" -> "speckle" -> fs_output.
 //
 // Formula   disparity = {left, right}. "rectify" lacks pixels where left = right = 8'hEE.
 // Latency   FirstRows + Rows rows, FirstTicks + Ticks ticks.
@@ -101,7 +101,7 @@ module fs_ends #(
         .sof_i(first_sof), .word_i({16'd0, first_data}), .busy_i(busy),
         .signature_o(signatures[32*i+:32])
       );
-    end else if (i == fs_pkg::StageSpike) begin : g_last
+    end else if (i == fs_pkg::StageSpeckle) begin : g_last
       fs_signature u_signature (
         .clk_i, .rst_ni, .stage_rst_ni(stage_rst_no), .en_i(en_o), .valid_i(last_valid),
         .sof_i(last_sof), .word_i({16'd0, last_data}), .busy_i(busy),

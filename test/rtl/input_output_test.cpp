@@ -101,7 +101,7 @@ TEST(InputOutput, SignatureIsThereWhenAllIsStill) {
     for (const std::uint16_t value : bench.frames.back().pixels) signature.add(value);
     bench.run(40);
     EXPECT_EQ(bench.read(spec::kRegSignatureRectify), signature.value());
-    EXPECT_EQ(bench.read(spec::kRegSignatureSpike), signature.value());
+    EXPECT_EQ(bench.read(spec::kRegSignatureSpeckle), signature.value());
   }
 }
 

@@ -87,7 +87,7 @@ RasterResult compare(const std::vector<Sums>& frames, Raster raster) {
         s.right_winner(y, x) =
             static_cast<std::uint8_t>(get_bits(model.right_winner_o, 0, index_bits));
         s.winner_sum(y, x) = sum(model.winner_sum_o, 0);
-        s.rival_sum(y, x) = sum(model.rival_sum_o, 0);
+        s.runner_up_sum(y, x) = sum(model.runner_up_sum_o, 0);
         for (int k = 0; k < 5; ++k) s.around(y, x)[k] = sum(model.around_o, k);
       });
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -158,7 +158,7 @@ TYPED_TEST(RtlSelect, SumsOfEveryKindBackToBack) {
 
 // Each disparity wins with each other the second, near and far; their sums alike or not, and the
 // winner's neighbours, which are no rivals, in between.
-TYPED_TEST(RtlSelect, EveryWinnerAndRival) {
+TYPED_TEST(RtlSelect, EveryWinnerAndRunnerUp) {
   for (const int more : {0, 2}) {
     std::mt19937 random(more);
     const Sums sums =
@@ -172,7 +172,7 @@ TYPED_TEST(RtlSelect, EveryWinnerAndRival) {
   }
 }
 
-TYPED_TEST(RtlSelect, LargestSumsAsRivalsAndNeighbours) {
+TYPED_TEST(RtlSelect, LargestSumsAsRunnerUpsAndNeighbours) {
   const auto all_but_one = [&](int offset) {
     return this->frame({this->kRange, 2}, [&](int d, int x, int y) {
       return d == x ? this->kLargest - y - offset : this->kLargest;

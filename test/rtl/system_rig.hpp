@@ -111,7 +111,7 @@ class SystemRig {
   }
   /// Everything, meshes in packets of their own, and CONTROL.apply.
   void configure(const Parameters& parameters, const StereoRectification& rectification) {
-    const auto made = configuration(system_.build(), parameters, rectification);
+    const auto made = make_gateware_configuration(system_.build(), parameters, rectification);
     if (!made) throw std::runtime_error(made.error().message);
     constexpr std::size_t kMostNodes = 255;
     Words mesh;

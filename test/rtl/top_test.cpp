@@ -166,7 +166,8 @@ TEST_P(RtlTop, SettingsSizesAndMeshesChangeBehindAFrameInFlight) {
                     textured(size, 1 + i % 2, 20 + i), ""};
     expected.push_back(in_software(c));
     // Half of the changes while the frame before flows, half while streams are held.
-    const auto wanted = configuration(gateware.build(), c.parameters, c.rectification);
+    const auto wanted =
+        make_gateware_configuration(gateware.build(), c.parameters, c.rectification);
     ASSERT_TRUE(wanted);
     const std::vector<RegisterWrite> writes = wanted->writes();
     if (i % 2 == 0) {
@@ -360,7 +361,7 @@ TEST_P(RtlTop, SignaturesNameTheFirstStageThatDiffers) {
   changed = p;
   changed.speckle_size = 1000;
   changed.speckle_range = 0;
-  EXPECT_EQ(found(changed, pairs[0]), "spike");
+  EXPECT_EQ(found(changed, pairs[0]), "speckle");
 }
 
 TEST_P(RtlTop, RefusesByNameWhatItWasNotBuiltFor) {

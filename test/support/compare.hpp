@@ -60,7 +60,8 @@ inline ::testing::AssertionResult same(const std::string& stage, const Selection
   auto result = same(stage + " winner", expected.winner, actual.winner, c);
   if (result) result = same(stage + " right_winner", expected.right_winner, actual.right_winner, c);
   if (result) result = same(stage + " winner_sum", expected.winner_sum, actual.winner_sum, c);
-  if (result) result = same(stage + " rival_sum", expected.rival_sum, actual.rival_sum, c);
+  if (result)
+    result = same(stage + " runner_up_sum", expected.runner_up_sum, actual.runner_up_sum, c);
   if (result) result = same(stage + " around", expected.around, actual.around, c);
   return result;
 }

@@ -167,7 +167,7 @@ Selection select(const Sums& sums) {
       out.winner(y, x) = static_cast<std::uint8_t>(best);
       out.right_winner(y, x) = static_cast<std::uint8_t>(right_best);
       out.winner_sum(y, x) = static_cast<std::uint16_t>(s(best, x));
-      out.rival_sum(y, x) = static_cast<std::uint16_t>(rival);
+      out.runner_up_sum(y, x) = static_cast<std::uint16_t>(rival);
       for (int i = 0; i < 5; ++i) {
         const int d = best - 2 + i;
         const bool searched = d >= 0 && d < range;
@@ -185,7 +185,7 @@ cv::Mat1b check(const Selection& s, const Parameters& p) {
     for (int x = 0; x < kept.cols; ++x) {
       const int d = s.winner(y, x);
       const bool agree = x - d >= 0 && std::abs(s.right_winner(y, x - d) - d) <= p.disp12MaxDiff;
-      const bool unique = 256 * std::int64_t{s.rival_sum(y, x)} > n * s.winner_sum(y, x);
+      const bool unique = 256 * std::int64_t{s.runner_up_sum(y, x)} > n * s.winner_sum(y, x);
       const bool keep = (agree || !p.left_right_check) && (unique || !p.uniqueness_check);
       kept(y, x) = keep ? 1 : 0;
     }

@@ -42,6 +42,6 @@ int parabola_offset(const cv::Vec<std::uint16_t, 5>& sums, int numerator = 7, in
 
 cv::Mat1w subpixel(const Selection& s, const cv::Mat1b& kept, const Parameters& p);
 
-cv::Mat1w spike(const cv::Mat1w& disparity, const Parameters& p);
+cv::Mat1w speckle(const cv::Mat1w& disparity, const Parameters& p);
 
 }  // namespace fpga_stereo::naive

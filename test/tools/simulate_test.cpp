@@ -108,7 +108,7 @@ TEST_F(Simulate, EverySignalOfTheGateware) {
                     {"--census_window_size", "5", "--correlation_window_size", "5"}));
   ASSERT_EQ(run.code, 0) << run.err;
   const std::string vcd = bytes(at("waves.vcd"));
-  for (const std::string name : {"$timescale", "u_rectify", "u_spike", "disparity_o"}) {
+  for (const std::string name : {"$timescale", "u_rectify", "u_speckle", "disparity_o"}) {
     EXPECT_NE(vcd.find(name), std::string::npos) << name;
   }
 }

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "board/connection.hpp"
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 
 namespace fpga_stereo::tools {
 

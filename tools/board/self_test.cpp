@@ -91,7 +91,8 @@ class SelfTest {
       : board_(board), identity_(identity), streams_(streams) {}
 
   Comparison run(const Case& test) {
-    const auto made = configuration(identity_.build, test.parameters, test.rectification);
+    const auto made =
+        make_gateware_configuration(identity_.build, test.parameters, test.rectification);
     require(made, "this board cannot be tested with that: ");
     configure(board_, *made, ++tag_, streams_, true, kConfigureTime);
     const link::FrameSet set = send(test);

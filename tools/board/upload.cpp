@@ -76,7 +76,7 @@ void upload(const std::string& device, const Arguments& arguments) {
   const Parameters parameters = parameters_from(parsed->options, parameters_of(identity.build));
   const StereoRectification rectification =
       read_rectification(parsed->options, parameters.min_disparity);
-  const auto made = configuration(identity.build, parameters, rectification);
+  const auto made = make_gateware_configuration(identity.build, parameters, rectification);
   require(made, "this board cannot do that: ");
   configure(board, *made, 0, 0, false, kConfigureTime);
 

@@ -24,7 +24,7 @@ CommandLine command_line() {
       "evaluation, version 2. DIR holds tsukuba, venus, teddy and cones; each of them holds\n"
       "imL.png, imR.png, groundtruth.png, nonocc.png, all.png and disc.png.\n"
       "Configurations, for both census patterns unless --census_pattern is given:\n"
-      "  dense       no check, no spike filter, whole pixels; percent of nonocc, all and disc\n"
+      "  dense       no check, no speckle filter, whole pixels; percent of nonocc, all and disc\n"
       "  filled      the parameters as given or by default; holes take the smaller of the\n"
       "              nearest disparities to their left and right; the same percentages\n"
       "  semi-dense  the parameters as given or by default; bad percent of the nonocc pixels\n"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "support/stereo_job.hpp"
 
 namespace fpga_stereo::tools {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::tools {

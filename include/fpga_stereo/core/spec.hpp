@@ -19,18 +19,18 @@ enum class Stage {
   kSelect,    // the smallest sum, left and right
   kCheck,     // left-right and uniqueness
   kSubpixel,  // parabola through five sums
-  kSpike,     // small regions are dropped
+  kSpeckle,   // small regions are dropped
 };
 constexpr int kNumStages = 7;
 // clang-format off
 constexpr std::array<const char*, kNumStages> kStageNames{
-    "rectify", "census", "match", "select", "check", "subpixel", "spike"};
+    "rectify", "census", "match", "select", "check", "subpixel", "speckle"};
 // clang-format on
 
 constexpr int kDisparityScale = 32;                         // units of a disparity per px
 constexpr int kDisparityBits = 16;                          // of a disparity, unsigned
 constexpr std::uint16_t kNoDisparity = 0xFFFF;              // in a disparity image: none
-constexpr int kSpikeLookAhead = 24;                         // rows below that a region may use
+constexpr int kSpeckleLookAhead = 24;                       // rows below that a region may use
 constexpr int kMeshPitch = 8;                               // px between nodes
 constexpr int kMeshScale = 128;                             // units of a displacement per px
 constexpr int kMeshBits = 16;                               // of a displacement, signed
@@ -89,7 +89,7 @@ constexpr std::uint32_t kRefusedType = 0x00000002;          // why: no such type
 constexpr std::uint32_t kRefusedLength = 0x00000003;        // why: not with this length
 
 /// The specification hash: software and gateware of different ones do not work together.
-constexpr std::uint32_t kSpecHash = 0x7CBB1A63;
+constexpr std::uint32_t kSpecHash = 0xECCB4646;
 
 /// The register map of the gateware.
 namespace spec {
@@ -130,7 +130,7 @@ constexpr std::uint32_t kRegIdentity = 0x00;
 constexpr std::uint32_t kRegIdentityReset = 0x46535431;
 
 constexpr std::uint32_t kRegSpecHash = 0x01;
-constexpr std::uint32_t kRegSpecHashReset = 0x7CBB1A63;
+constexpr std::uint32_t kRegSpecHashReset = 0xECCB4646;
 
 constexpr std::uint32_t kRegVersion = 0x02;
 constexpr std::uint32_t kRegVersionReset = 0x00000001;
@@ -255,8 +255,8 @@ constexpr std::uint32_t kRegSignatureCheckReset = 0x00000000;
 constexpr std::uint32_t kRegSignatureSubpixel = 0x45;
 constexpr std::uint32_t kRegSignatureSubpixelReset = 0x00000000;
 
-constexpr std::uint32_t kRegSignatureSpike = 0x46;
-constexpr std::uint32_t kRegSignatureSpikeReset = 0x00000000;
+constexpr std::uint32_t kRegSignatureSpeckle = 0x46;
+constexpr std::uint32_t kRegSignatureSpeckleReset = 0x00000000;
 
 constexpr std::uint32_t kRegBuildStreams = 0x60;
 constexpr Field kBuildStreamsStreams{0, 8};

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "fpga_stereo/link/packet.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/link/decoder.hpp"
 
 namespace fpga_stereo::link {

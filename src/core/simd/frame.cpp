@@ -103,7 +103,7 @@ void Frame::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
     disparity_rows(parameters, rows, bands_[static_cast<std::size_t>(band)]);
   });
   share_time(ms_since(start), out.ms);
-  timed(Stage::kSpike, [&] {
+  timed(Stage::kSpeckle, [&] {
     if (parameters.speckle_size == 0) return;
     regions_.remove_small(disparity_, parameters.speckle_range * kDisparityScale,
                           parameters.speckle_size);

@@ -63,7 +63,7 @@ void box(const std::int16_t* columns, int radius, int x0, int x1, const SumRing&
 /// as there are disparities.
 struct SelectedRow {
   std::uint8_t *winner, *right_winner;
-  std::uint16_t *winner_sum, *rival_sum;
+  std::uint16_t *winner_sum, *runner_up_sum;
   std::uint16_t* around[5];
 };
 /// Winner, its sum, rival and neighbours of the columns x0 .. x1 - 1, x0 a multiple of 8.
@@ -76,7 +76,7 @@ void check_row(const SelectedRow& s, int width, bool left_right, int most_differ
 void subpixel_row(const SelectedRow& s, const std::uint8_t* kept, int width, int range, bool refine,
                   std::uint16_t* disparity);
 
-/// What spike sees of a row, a bit per pixel: bit x % 64 of word x / 64. Behind the row: 0.
+/// What speckle sees of a row, a bit per pixel: bit x % 64 of word x / 64. Behind the row: 0.
 struct ConnectedRow {
   std::uint64_t *valid, *left, *up;  // has a disparity; is connected with its neighbour there
 };

@@ -1,4 +1,4 @@
-// check, subpixel, and which pixels spike connects.
+// check, subpixel, and which pixels speckle connects.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -60,7 +60,7 @@ void check_row(const SelectedRow& s, int width, bool left_right, int most_differ
     if (uniqueness) {
       // kUniquenessScale rival > factor winner, where the product divided by the scale is enough.
       static_assert(kUniquenessScale == 256);
-      const auto winner = hn::LoadU(d, s.winner_sum + x), rival = hn::LoadU(d, s.rival_sum + x);
+      const auto winner = hn::LoadU(d, s.winner_sum + x), rival = hn::LoadU(d, s.runner_up_sum + x);
       const auto upper = hn::MulHigh(winner, set(factor)), lower = hn::Mul(winner, set(factor));
       const auto least = hn::Or(hn::ShiftLeft<8>(upper), hn::ShiftRight<8>(lower));
       const auto too_large = hn::Lt(set(0xFF), upper);

@@ -103,13 +103,13 @@ void Regions::remove_small(cv::Mat1w& disparity, int range, int size) {
   none_.assign(words * kWord, kNoDisparity);
   runs_.clear();
   first_run_.clear();
-  for (int y = 0; y < disparity.rows + kSpikeLookAhead; ++y) {
+  for (int y = 0; y < disparity.rows + kSpeckleLookAhead; ++y) {
     if (y < disparity.rows) {
       label(disparity, y, range);
     } else if (y == disparity.rows) {
       first_run_.push_back(static_cast<int>(runs_.size()));
     }
-    if (y >= kSpikeLookAhead) decide(disparity, y - kSpikeLookAhead, size);
+    if (y >= kSpeckleLookAhead) decide(disparity, y - kSpeckleLookAhead, size);
   }
 }
 

@@ -1,4 +1,4 @@
-// spike by runs of connected pixels, which are few, in the place of pixels.
+// speckle by runs of connected pixels, which are few, in the place of pixels.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace fpga_stereo::simd {
 
-/// The bits of the scalar twin, spike().
+/// The bits of the scalar twin, speckle().
 class Regions {
  public:
   /// `disparity` has one pixel of kNoDisparity before each row and kBorder bytes behind it. In

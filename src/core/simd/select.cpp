@@ -156,7 +156,7 @@ struct SelectLeft {
       }
       around[k] = hn::LoadU(Block(), s + end[k] - 3);
     }
-    hn::StoreU(extreme<Smaller>(pixels), Block(), out.rival_sum + x);
+    hn::StoreU(extreme<Smaller>(pixels), Block(), out.runner_up_sum + x);
     store_around(around, out, x);
   }
 

@@ -1,20 +1,20 @@
-// fs_spike_stack against a vector: any order of pushes and pops, also those that fs_spike's regions
-// never ask for.
+// fs_speckle_stack against a vector: any order of pushes and pops, also those that fs_speckle's
+// regions never ask for.
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-#include "SpikeStack.h"
+#include "SpeckleStack.h"
 
 namespace fpga_stereo::test {
 namespace {
 
 constexpr int kDepth = 12;
 
-TEST(RtlSpikeStack, RandomPushesAndPops) {
+TEST(RtlSpeckleStack, RandomPushesAndPops) {
   std::mt19937 random(1);
-  SpikeStack stack;
+  SpeckleStack stack;
   const auto clock = [&] {
     stack.clk_i = 0;
     stack.eval();

@@ -26,7 +26,7 @@ std::vector<cv::Point> region_of(const cv::Mat1w& disparity, int range, cv::Poin
 
 }  // namespace
 
-cv::Mat1w spike(const cv::Mat1w& disparity, const Parameters& p) {
+cv::Mat1w speckle(const cv::Mat1w& disparity, const Parameters& p) {
   cv::Mat1w out = disparity.clone();
   if (p.speckle_size == 0) return out;
   for (int y = 0; y < disparity.rows; ++y) {

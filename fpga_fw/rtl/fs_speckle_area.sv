@@ -1,4 +1,4 @@
-// Areas of the regions that fs_spike_link finds, and what becomes of each region one row below.
+// Areas of the regions that fs_speckle_link finds, and what becomes of each region one row below.
 //
 // Formula   area_r[E] = sum over the pixels x of E in row r of  1 + credit_r[x]
 //           credit_r[x] = area_{r-1}[F] where F is first linked into row r at x, else 0
@@ -7,7 +7,7 @@
 //             target[a] = keep                      if area >= speckle_size
 //                         drop                      else if E is not linked into row r+1
 //                         its first link's x        else: a pixel of row r+1 of the same region
-// C++ twin  src/core/spike.cpp
+// C++ twin  src/core/speckle.cpp
 // Schedule  per pixel, in ticks; the input is tick 6
 //             6  stack and credit read          8  E is pushed, popped or new; credit chosen
 //             9  name out; credit added; if E ends: credit for the next row written
@@ -15,8 +15,8 @@
 //           The stack is read before the pushes of the two ticks before are in it: hist_q has the
 //           last push. The first 12 credits lie in LUTs too, for their writes can come 1 tick
 //           before they are read; that of pixel 0 is passed on.
-// Limits    rows of at least 16 pixels. As fs_spike_link: no pop of an empty stack.
-module fs_spike_area #(
+// Limits    rows of at least 16 pixels. As fs_speckle_link: no pop of an empty stack.
+module fs_speckle_area #(
   parameter int WordBits = 8,
   parameter int StackDepth = 320
 ) (
@@ -25,7 +25,7 @@ module fs_spike_area #(
   input  logic                en_i,
   input  logic                first_i,         // tick 5: row start
   input  logic [9:0]          speckle_size_i,
-  input  logic                above_valid_i,   // tick 6: from fs_spike_link
+  input  logic                above_valid_i,   // tick 6: from fs_speckle_link
   input  logic                new_i,
   input  logic                pop_i,
   input  logic                push_i,
@@ -48,7 +48,7 @@ module fs_spike_area #(
   logic [WordBits-1:0] word_6;
   logic [1:0] slot_6;
   logic odd_6;
-  fs_spike_position #(.WordBits(WordBits)) u_position (
+  fs_speckle_position #(.WordBits(WordBits)) u_position (
     .clk_i, .rst_ni, .en_i, .first_i, .word_o(word_6), .slot_o(slot_6), .odd_o(odd_6)
   );
   logic unused;

@@ -20,9 +20,9 @@ Parameters speckle(int size, int range = 1) {
   return p;
 }
 
-cv::Mat1w spike_of(const cv::Mat1w& disparity, const Parameters& p) {
+cv::Mat1w speckle_of(const cv::Mat1w& disparity, const Parameters& p) {
   cv::Mat1w out = disparity.clone();
-  spike(p, out);
+  speckle(p, out);
   return out;
 }
 
@@ -50,55 +50,56 @@ cv::Mat1w random_disparity(cv::Size size, int levels, double holes, unsigned see
   return out;
 }
 
-TEST(Spike, DropsRegionsBelowTheSize) {
+TEST(Speckle, DropsRegionsBelowTheSize) {
   cv::Mat1w image(5, 9, kNone);
   image(cv::Rect(0, 0, 3, 2)) = 100;      // 6 pixels
   image(cv::Rect(5, 1, 1, 5 - 1)) = 200;  // 4 pixels
   cv::Mat1w expected = image.clone();
   expected(cv::Rect(5, 1, 1, 4)) = kNone;
-  EXPECT_TRUE(same("spike", image, spike_of(image, speckle(4))));
-  EXPECT_TRUE(same("spike", expected, spike_of(image, speckle(5))));
-  EXPECT_TRUE(same("spike", expected, spike_of(image, speckle(6))));
-  EXPECT_TRUE(same("spike", cv::Mat1w(5, 9, kNone), spike_of(image, speckle(7))));
+  EXPECT_TRUE(same("speckle", image, speckle_of(image, speckle(4))));
+  EXPECT_TRUE(same("speckle", expected, speckle_of(image, speckle(5))));
+  EXPECT_TRUE(same("speckle", expected, speckle_of(image, speckle(6))));
+  EXPECT_TRUE(same("speckle", cv::Mat1w(5, 9, kNone), speckle_of(image, speckle(7))));
 }
 
-TEST(Spike, DiagonalsDoNotConnect) {
+TEST(Speckle, DiagonalsDoNotConnect) {
   cv::Mat1w image(6, 6, kNone);
   for (int i = 0; i < 6; ++i) image(i, i) = 64;
-  EXPECT_EQ(cv::countNonZero(spike_of(image, speckle(2)) != kNone), 0);
-  EXPECT_EQ(cv::countNonZero(spike_of(image, speckle(1)) != kNone), 6);
+  EXPECT_EQ(cv::countNonZero(speckle_of(image, speckle(2)) != kNone), 0);
+  EXPECT_EQ(cv::countNonZero(speckle_of(image, speckle(1)) != kNone), 6);
 }
 
-TEST(Spike, RangeIsInclusive) {
+TEST(Speckle, RangeIsInclusive) {
   for (const int range : {0, 1, 2, 31}) {
     const int step = 32 * range;
     const cv::Mat1w at = (cv::Mat1w(1, 3) << 1000, 1000 + step, 1000);
     const cv::Mat1w above = (cv::Mat1w(1, 3) << 1000, 1001 + step, 1000);
-    EXPECT_TRUE(same("spike", at, spike_of(at, speckle(3, range)))) << range;
-    EXPECT_EQ(cv::countNonZero(spike_of(above, speckle(2, range)) != kNone), 0) << range;
+    EXPECT_TRUE(same("speckle", at, speckle_of(at, speckle(3, range)))) << range;
+    EXPECT_EQ(cv::countNonZero(speckle_of(above, speckle(2, range)) != kNone), 0) << range;
   }
 }
 
-TEST(Spike, SwitchedOff) {
+TEST(Speckle, SwitchedOff) {
   const cv::Mat1w image = random_disparity({20, 20}, 9, 0.3, 1);
-  EXPECT_TRUE(same("spike", image, spike_of(image, speckle(0))));
-  EXPECT_TRUE(same("spike", image, spike_of(image, speckle(1)))) << "every region has one pixel";
+  EXPECT_TRUE(same("speckle", image, speckle_of(image, speckle(0))));
+  EXPECT_TRUE(same("speckle", image, speckle_of(image, speckle(1))))
+      << "every region has one pixel";
 }
 
 // A column of 30 pixels: row y knows the rows up to y + 24, so 26 pixels are first seen in row 1.
-TEST(Spike, LookAheadByHand) {
+TEST(Speckle, LookAheadByHand) {
   const cv::Mat1w column(30, 1, std::uint16_t{320});
-  const cv::Mat1w kept = spike_of(column, speckle(26));
+  const cv::Mat1w kept = speckle_of(column, speckle(26));
   EXPECT_EQ(kept(0, 0), kNone);
   EXPECT_EQ(cv::countNonZero(kept.rowRange(1, 30) == 320), 29);
-  EXPECT_EQ(cv::countNonZero(spike_of(column, speckle(25)) == 320), 30);
-  const cv::Mat1w large = spike_of(column, speckle(30));
+  EXPECT_EQ(cv::countNonZero(speckle_of(column, speckle(25)) == 320), 30);
+  const cv::Mat1w large = speckle_of(column, speckle(30));
   EXPECT_EQ(cv::countNonZero(large.rowRange(0, 5) == kNone), 5);
   EXPECT_EQ(cv::countNonZero(large.rowRange(5, 30) == 320), 25);
 }
 
 // Arms that meet further down than the look-ahead are apart for their upper rows.
-TEST(Spike, ArmsOfAConcaveRegion) {
+TEST(Speckle, ArmsOfAConcaveRegion) {
   const auto two_arms = [](int height) {
     cv::Mat1w image(height, 5, kNone);
     image.col(0) = 64;
@@ -107,15 +108,15 @@ TEST(Spike, ArmsOfAConcaveRegion) {
     return image;
   };
   // 25 rows: row 0 sees the bridge in row 24, all 53 pixels.
-  EXPECT_TRUE(same("spike", two_arms(25), spike_of(two_arms(25), speckle(53))));
+  EXPECT_TRUE(same("speckle", two_arms(25), speckle_of(two_arms(25), speckle(53))));
   // 26 rows: row 0 sees two arms of 25 pixels only.
   cv::Mat1w expected = two_arms(26);
   expected.row(0) = kNone;
-  EXPECT_TRUE(same("spike", expected, spike_of(two_arms(26), speckle(26))));
-  EXPECT_TRUE(same("spike", two_arms(26), spike_of(two_arms(26), speckle(25))));
+  EXPECT_TRUE(same("speckle", expected, speckle_of(two_arms(26), speckle(26))));
+  EXPECT_TRUE(same("speckle", two_arms(26), speckle_of(two_arms(26), speckle(25))));
 }
 
-TEST(Spike, EqualsTheNaiveModel) {
+TEST(Speckle, EqualsTheNaiveModel) {
   unsigned seed = 1100;
   for (const cv::Size size : {cv::Size(1, 1), {1, 40}, {40, 1}, {2, 70}, {37, 61}}) {
     for (const int minimum : {1, 2, 9, 40, 300}) {
@@ -123,30 +124,30 @@ TEST(Spike, EqualsTheNaiveModel) {
         for (const int levels : {1, 2, 6}) {
           const Parameters p = speckle(minimum);
           const cv::Mat1w image = random_disparity(size, levels, holes, ++seed);
-          const cv::Mat1w expected = naive::spike(image, p);
-          ASSERT_TRUE(same("spike", expected, spike_of(image, p), {p, seed, "random"}));
+          const cv::Mat1w expected = naive::speckle(image, p);
+          ASSERT_TRUE(same("speckle", expected, speckle_of(image, p), {p, seed, "random"}));
           cv::Mat1w part = padded(image, seed);
-          spike(p, part);
-          ASSERT_TRUE(same("spike", expected, part, {p, seed, "padded"}));
+          speckle(p, part);
+          ASSERT_TRUE(same("speckle", expected, part, {p, seed, "padded"}));
         }
       }
     }
   }
 }
 
-TEST(Spike, TouchesNothingAroundAPart) {
+TEST(Speckle, TouchesNothingAroundAPart) {
   cv::Mat1w large(20, 30, std::uint16_t{5});
   cv::Mat1w part = large(cv::Rect(8, 6, 9, 7));
   part = kNone;
   part(3, 3) = 77;
   cv::Mat1w expected = large.clone();
   expected(6 + 3, 8 + 3) = kNone;
-  spike(speckle(2), part);
-  EXPECT_TRUE(same("spike", expected, large));
+  speckle(speckle(2), part);
+  EXPECT_TRUE(same("speckle", expected, large));
 }
 
 // Regions of less than 24 rows are seen whole by every one of their rows.
-TEST(Spike, EqualsFilterSpecklesOnLowRegions) {
+TEST(Speckle, EqualsFilterSpecklesOnLowRegions) {
   unsigned seed = 1200;
   for (const int minimum : {2, 5, 30, 400}) {
     for (const double holes : {0.05, 0.3, 0.42}) {
@@ -155,15 +156,15 @@ TEST(Spike, EqualsFilterSpecklesOnLowRegions) {
         for (int y = 23; y < image.rows; y += 24) image.row(y) = kNone;
         const Parameters p = speckle(minimum);
         ASSERT_TRUE(
-            same("spike", filter_speckles(image, p), spike_of(image, p), {p, seed, "24 rows"}));
+            same("speckle", filter_speckles(image, p), speckle_of(image, p), {p, seed, "24 rows"}));
       }
     }
   }
 }
 
-using SpikeData = DataTest;
+using SpeckleData = DataTest;
 
-/// Percentage of equal pixels for the disparity of a real pair before spike.
+/// Percentage of equal pixels for the disparity of a real pair before speckle.
 void expect_agreement(const cv::Mat1b& left, const cv::Mat1b& right,
                       const StereoRectification& rectification, Parameters p) {
   ReferencePipeline pipeline;
@@ -171,7 +172,7 @@ void expect_agreement(const cv::Mat1b& left, const cv::Mat1b& right,
   for (const int minimum : {50, 400}) {
     p.speckle_size = minimum;
     SCOPED_TRACE(::testing::Message() << "speckle_size " << minimum);
-    const cv::Mat1w ours = spike_of(in, p);
+    const cv::Mat1w ours = speckle_of(in, p);
     const cv::Mat1w theirs = filter_speckles(in, p);
     const double agree = cv::countNonZero(ours == theirs) / static_cast<double>(in.total());
     EXPECT_GE(agree, 0.99);
@@ -181,7 +182,7 @@ void expect_agreement(const cv::Mat1b& left, const cv::Mat1b& right,
   }
 }
 
-TEST_F(SpikeData, AgreesWithFilterSpecklesOnMiddlebury) {
+TEST_F(SpeckleData, AgreesWithFilterSpecklesOnMiddlebury) {
   for (const std::string& name : middlebury_names()) {
     SCOPED_TRACE(name);
     const MiddleburyPair pair = middlebury_pair(name);
@@ -193,7 +194,7 @@ TEST_F(SpikeData, AgreesWithFilterSpecklesOnMiddlebury) {
   }
 }
 
-TEST_F(SpikeData, EqualsTheNaiveModel) {
+TEST_F(SpeckleData, EqualsTheNaiveModel) {
   const MiddleburyPair pair = middlebury_pair("tsukuba");
   StereoGeometry geometry;
   geometry.image_size = pair.left.size();
@@ -202,12 +203,12 @@ TEST_F(SpikeData, EqualsTheNaiveModel) {
   p.speckle_size = 1000;  // the look-ahead matters most
   ReferencePipeline pipeline;
   const Taps& taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), p, 1);
-  EXPECT_TRUE(same("spike", naive::spike(taps.refined, p), taps.disparity, {p, 0, "tsukuba"}));
+  EXPECT_TRUE(same("speckle", naive::speckle(taps.refined, p), taps.disparity, {p, 0, "tsukuba"}));
   EXPECT_NE(cv::countNonZero(filter_speckles(taps.refined, p) != taps.disparity), 0)
       << "the look-ahead is not seen here";
 }
 
-TEST_F(SpikeData, AgreesWithFilterSpecklesOnTheSequence) {
+TEST_F(SpeckleData, AgreesWithFilterSpecklesOnTheSequence) {
   const CalibrationPair cameras = euroc_calibration();
   const auto made = make_stereo_rectification(cameras.left, cameras.right, 0);
   ASSERT_TRUE(made) << made.error().message;

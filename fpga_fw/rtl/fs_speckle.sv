@@ -3,13 +3,13 @@
 // Formula   a pixel of row y keeps its disparity iff its region, restricted to the rows 0..y+24,
 //           has at least speckle_size pixels; regions are 4-connected, neighbours differ by at most
 //           speckle_range. With speckle_size 0 every pixel does. No label runs out.
-// C++ twin  fpga_stereo::spike (src/core/spike.cpp)
+// C++ twin  fpga_stereo::speckle (src/core/speckle.cpp)
 // Schedule  in row times; the input row r + 1 comes at r + 1
-//             r+1   fs_spike_link       links row r+1 to the regions of rows 0..r
-//             r+1   fs_spike_area       their areas up to row r; target of each region of row r
-//             r+2   fs_spike_targets    M1_r: pixel -> a pixel of row r+1 of the same region; or
+//             r+1   fs_speckle_link       links row r+1 to the regions of rows 0..r
+//             r+1   fs_speckle_area       their areas up to row r; target of each region of row r
+//             r+2   fs_speckle_targets    M1_r: pixel -> a pixel of row r+1 of the same region; or
 //                                       its verdict: keep if it is large enough, drop if it ends
-//             r+4   fs_spike_compose    M2_r = M1_{r+1} o M1_r; likewise
+//             r+4   fs_speckle_compose    M2_r = M1_{r+1} o M1_r; likewise
 //             r+7   M4_r = M2_{r+2} o M2_r           K5_r = K1_{r+4} o M4_r    (K1: M1 says keep)
 //             r+12  M8_r = M4_{r+4} o M4_r           K9_r = K5_{r+4} o M4_r
 //             r+21  M16_r = M8_{r+8} o M8_r
@@ -21,10 +21,10 @@
 // Handshake the raster (see fs_top).
 // Limits    width_i 16 to MaxWidth. Disparities are less than 2**DisparityBits - 1; bit 15 of
 //           disparity_i is set iff there is none. LookAhead is 24.
-module fs_spike #(
+module fs_speckle #(
   parameter int MaxWidth = 640,
   parameter int DisparityBits = 11,
-  parameter int LookAhead = fs_pkg::SpikeLookAhead,
+  parameter int LookAhead = fs_pkg::SpeckleLookAhead,
   parameter int BlockVerdicts = 0  // verdict bits K1 and K9 in block RAM (2 more), not in LUTs
 ) (
   input  logic        clk_i,
@@ -51,11 +51,11 @@ module fs_spike #(
   localparam int Tail = LatencyTicks - 2;  // input and output register
   localparam int TailBits = $clog2(MaxWidth + Tail + 1);
   localparam logic [Bits-1:0] Drop = Bits'(3);
-  if (LookAhead != 24) initial $fatal(1, "fs_spike: LookAhead is %0d, allowed: 24", LookAhead);
+  if (LookAhead != 24) initial $fatal(1, "fs_speckle: LookAhead is %0d, allowed: 24", LookAhead);
   if (MaxWidth < fs_pkg::GatewareMinWidth || MaxWidth > fs_pkg::GatewareMaxWidth)
-    initial $fatal(1, "fs_spike: MaxWidth is %0d, allowed: 16 to 1280", MaxWidth);
+    initial $fatal(1, "fs_speckle: MaxWidth is %0d, allowed: 16 to 1280", MaxWidth);
   if (DisparityBits < 8 || DisparityBits > 15)
-    initial $fatal(1, "fs_spike: DisparityBits is %0d, allowed: 8 to 15", DisparityBits);
+    initial $fatal(1, "fs_speckle: DisparityBits is %0d, allowed: 8 to 15", DisparityBits);
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
@@ -68,7 +68,7 @@ module fs_spike #(
   end
 
   // What is delayed by whole rows, all in one line delay. From the lowest bit: disparities,
-  // fs_spike_linked, first links, names, M1, M2, M4, M8, M16.
+  // fs_speckle_linked, first links, names, M1, M2, M4, M8, M16.
   localparam int Disparities = 28 * DisparityBits;
   localparam int Names = Disparities + 2;
   localparam int DelayBits = Names + (1 + 2 + 3 + 5 + 9 + 8) * Bits;
@@ -107,11 +107,11 @@ module fs_spike #(
 
   // Tick 3: links.
   logic link, above_link, up;
-  fs_spike_linked #(.Bits(DisparityBits)) u_link_left (
+  fs_speckle_linked #(.Bits(DisparityBits)) u_link_left (
     .clk_i, .en_i, .range_i(speckle_range_i), .valid_i(valid_1_q & left_valid_q & ~first_q[1]),
     .a_i(here_q), .b_i(left_q), .linked_o(link)
   );
-  fs_spike_linked #(.Bits(DisparityBits)) u_link_up (
+  fs_speckle_linked #(.Bits(DisparityBits)) u_link_up (
     .clk_i, .en_i, .range_i(speckle_range_i), .valid_i(valid_1_q & above_valid & ~top_q),
     .a_i(here_q), .b_i(above), .linked_o(up)
   );
@@ -130,7 +130,7 @@ module fs_spike #(
 
   // Tick 6: regions. Tick 9 and 11: areas.
   logic region, region_new, region_pop, region_push, region_close, first_link;
-  fs_spike_link #(.WordBits(WordBits), .StackDepth(MaxWidth / 2)) u_link (
+  fs_speckle_link #(.WordBits(WordBits), .StackDepth(MaxWidth / 2)) u_link (
     .clk_i, .rst_ni, .en_i, .first_i(sol_i), .valid_i(valid_q[3]), .link_i(link), .up_i(up),
     .above_valid_i(above_valid_q[3]), .above_link_i(above_link), .above_valid_o(region),
     .new_o(region_new), .pop_o(region_pop), .push_o(region_push), .close_o(region_close),
@@ -138,7 +138,7 @@ module fs_spike #(
   );
   logic named, target_valid;
   logic [Bits-1:0] name, target_name, target;
-  fs_spike_area #(.WordBits(WordBits), .StackDepth(MaxWidth / 2)) u_area (
+  fs_speckle_area #(.WordBits(WordBits), .StackDepth(MaxWidth / 2)) u_area (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[5]), .speckle_size_i, .above_valid_i(region),
     .new_i(region_new), .pop_i(region_pop), .push_i(region_push), .close_i(region_close),
     .first_link_i(first_link), .credited_o(delay_in[Disparities+1]),
@@ -150,7 +150,7 @@ module fs_spike #(
   // Tick 14: M1. Then the way down the rows, doubling.
   logic [Bits-1:0] m1, m2, m4, m8, m16;
   logic [Bits-1:0] m1_delayed, m2_delayed, m4_delayed, m8_delayed, m16_delayed;
-  fs_spike_targets #(.WordBits(WordBits)) u_targets (
+  fs_speckle_targets #(.WordBits(WordBits)) u_targets (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[10]), .write_i(target_valid),
     .write_name_i(target_name), .write_target_i(target), .name_i(delay_out[Names+:Bits]),
     .target_o(m1)
@@ -189,28 +189,28 @@ module fs_spike #(
   logic [2*Bits-1:0] no_code;
   logic [Bits-1:0] no_young;
   assign no_young = '0;
-  fs_spike_compose #(.WordBits(WordBits)) u_m2 (
+  fs_speckle_compose #(.WordBits(WordBits)) u_m2 (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[13]), .young_i(m1), .young_verdict_i(1'b0),
     .index_i(m1_delayed), .code_o(m2), .verdict_o(no_verdict[0])
   );
-  fs_spike_compose #(.WordBits(WordBits)) u_m4 (
+  fs_speckle_compose #(.WordBits(WordBits)) u_m4 (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[16]), .young_i(m2), .young_verdict_i(1'b0),
     .index_i(m2_delayed), .code_o(m4), .verdict_o(no_verdict[1])
   );
-  fs_spike_compose #(.WordBits(WordBits), .Codes(0), .Verdicts(1), .Block(BlockVerdicts != 0)
+  fs_speckle_compose #(.WordBits(WordBits), .Codes(0), .Verdicts(1), .Block(BlockVerdicts != 0)
   ) u_k5 (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[19]), .young_i(no_young), .young_verdict_i(k1_q[20]),
     .index_i(m4), .code_o(no_code[0+:Bits]), .verdict_o(k5)
   );
-  fs_spike_compose #(.WordBits(WordBits), .Verdicts(1)) u_m8 (
+  fs_speckle_compose #(.WordBits(WordBits), .Verdicts(1)) u_m8 (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[22]), .young_i(m4_23_q), .young_verdict_i(k5),
     .index_i(m4_delayed), .code_o(m8), .verdict_o(k9)
   );
-  fs_spike_compose #(.WordBits(WordBits)) u_m16 (
+  fs_speckle_compose #(.WordBits(WordBits)) u_m16 (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[25]), .young_i(m8), .young_verdict_i(1'b0),
     .index_i(m8_delayed), .code_o(m16), .verdict_o(no_verdict[2])
   );
-  fs_spike_compose #(.WordBits(WordBits), .Codes(0), .Verdicts(1), .Block(BlockVerdicts != 0)
+  fs_speckle_compose #(.WordBits(WordBits), .Codes(0), .Verdicts(1), .Block(BlockVerdicts != 0)
   ) u_k25 (
     .clk_i, .rst_ni, .en_i, .first_i(first_q[28]), .young_i(no_young), .young_verdict_i(k9_q[29]),
     .index_i(m16_delayed), .code_o(no_code[Bits+:Bits]), .verdict_o(k25)

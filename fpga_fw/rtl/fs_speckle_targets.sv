@@ -1,12 +1,12 @@
 // For each pixel, where its region goes on one row below: the map from row r to row r+1.
 //
 // Formula   target_o[x] = target[name[x]] where the pixel x of row r has a region, else drop
-// Schedule  Two tables that swap at each row start: fs_spike_area writes that of its row, that of
+// Schedule  Two tables that swap at each row start: fs_speckle_area writes that of its row, that of
 //           the row before is read. The names come back a row after they went out.
 //             tick 9, 10: wait, for the last target may be written when the next row starts
 //             tick 11: the table reads       12: RAM register       13: chosen
 // Latency   5 ticks (output: tick 14).
-module fs_spike_targets #(
+module fs_speckle_targets #(
   parameter int WordBits = 8
 ) (
   input  logic                clk_i,

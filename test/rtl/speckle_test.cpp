@@ -1,4 +1,4 @@
-// fs_spike against spike().
+// fs_speckle against speckle().
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "SpikeSmall.h"
-#include "SpikeVga.h"
-#include "SpikeWide.h"
+#include "SpeckleSmall.h"
+#include "SpeckleVga.h"
+#include "SpeckleWide.h"
 #include "core/stages.hpp"
 #include "raster.hpp"
 #include "support/compare.hpp"
@@ -38,7 +38,7 @@ RasterResult compare(const std::vector<cv::Mat1w>& images, const Parameters& p, 
   std::vector<cv::Mat1w> expected, actual;
   for (const cv::Mat1w& image : images) {
     expected.push_back(image.clone());
-    spike(p, expected.back());
+    speckle(p, expected.back());
     actual.emplace_back(image.size(), std::uint16_t{0});
   }
   Model model;
@@ -52,7 +52,7 @@ RasterResult compare(const std::vector<cv::Mat1w>& images, const Parameters& p, 
       [&](std::mt19937& random) { model.disparity_i = random() % 2 != 0 ? kNear : kNone; },
       [&](int frame, int x, int y) { actual[frame](y, x) = model.disparity_o; });
   for (int frame = 0; frame < frames; ++frame) {
-    EXPECT_TRUE(same("spike", expected[frame], actual[frame],
+    EXPECT_TRUE(same("speckle", expected[frame], actual[frame],
                      {p, raster.seed, "frame " + std::to_string(frame)}));
   }
   return result;
@@ -196,14 +196,14 @@ cv::Mat1w arches(cv::Size size, unsigned seed) {
 }
 
 template <class Model>
-class RtlSpike : public ::testing::Test {};
-using Models = ::testing::Types<SpikeVga, SpikeSmall>;
-TYPED_TEST_SUITE(RtlSpike, Models);
+class RtlSpeckle : public ::testing::Test {};
+using Models = ::testing::Types<SpeckleVga, SpeckleSmall>;
+TYPED_TEST_SUITE(RtlSpeckle, Models);
 
 constexpr int kSizes[] = {1, 2, 10, 100, 400, 1000};
 constexpr int kRanges[] = {0, 1, 31};
 
-TYPED_TEST(RtlSpike, NoiseOfManySizes) {
+TYPED_TEST(RtlSpeckle, NoiseOfManySizes) {
   unsigned seed = 0;
   for (const int width : {16, 17, 33, 64, 100}) {
     for (const int height : {1, 2, 5, 24, 25, 26, 60}) {
@@ -218,7 +218,7 @@ TYPED_TEST(RtlSpike, NoiseOfManySizes) {
   }
 }
 
-TYPED_TEST(RtlSpike, NoiseWithEverySizeAndRange) {
+TYPED_TEST(RtlSpeckle, NoiseWithEverySizeAndRange) {
   for (const int size : {0, 1, 2, 10, 100, 400, 1000}) {
     for (const int range : kRanges) {
       compare<TypeParam>(noises({23, 29}, size + range), speckles(size, range), {});
@@ -226,7 +226,7 @@ TYPED_TEST(RtlSpike, NoiseWithEverySizeAndRange) {
   }
 }
 
-TYPED_TEST(RtlSpike, Shapes) {
+TYPED_TEST(RtlSpeckle, Shapes) {
   for (const cv::Size size : {cv::Size(16, 31), cv::Size(17, 60), cv::Size(33, 26),
                               cv::Size(64, 40), cv::Size(100, 60)}) {
     SCOPED_TRACE(::testing::Message() << size);
@@ -236,7 +236,7 @@ TYPED_TEST(RtlSpike, Shapes) {
   compare<TypeParam>(shapes({18, 3}), speckles(20, 0), {});
 }
 
-TYPED_TEST(RtlSpike, Arches) {
+TYPED_TEST(RtlSpeckle, Arches) {
   for (const int width : {16, 35, 100}) {
     SCOPED_TRACE(width);
     for (const int pixels : {30, 200}) {
@@ -247,14 +247,14 @@ TYPED_TEST(RtlSpike, Arches) {
   }
 }
 
-TYPED_TEST(RtlSpike, StallsAndBubbleRows) {
+TYPED_TEST(RtlSpeckle, StallsAndBubbleRows) {
   Raster raster;
   raster.bubble_rows = {2, 1, 0, 3, 40, 0, 24, 25, 26, 0};
   raster.stalled = 0.4;
   compare<TypeParam>(noises({19, 28}, 3), speckles(30, 1), raster);
 }
 
-TYPED_TEST(RtlSpike, TinyFramesBackToBack) {
+TYPED_TEST(RtlSpeckle, TinyFramesBackToBack) {
   for (const int height : {1, 2, 5, 11}) {
     Raster raster;
     raster.stalled = 0.1;
@@ -268,7 +268,7 @@ TYPED_TEST(RtlSpike, TinyFramesBackToBack) {
   }
 }
 
-TYPED_TEST(RtlSpike, ResetInTheMiddleOfAFrame) {
+TYPED_TEST(RtlSpeckle, ResetInTheMiddleOfAFrame) {
   const std::vector<cv::Mat1w> images = {noise({20, 45}, 0, 0, 0.41, 1), arches({20, 45}, 2),
                                          noise({20, 45}, 1, 100, 0.1, 3)};
   for (const int after : {7, 20 * 21 + 7, 20 * 44 + 19, 20 * 45, 20 * 60 + 3, 20 * 89 + 11}) {
@@ -279,7 +279,7 @@ TYPED_TEST(RtlSpike, ResetInTheMiddleOfAFrame) {
   }
 }
 
-TYPED_TEST(RtlSpike, Latency) {
+TYPED_TEST(RtlSpeckle, Latency) {
   for (const int width : {16, 31, 100}) {
     for (const int pixels : {0, 50}) {
       EXPECT_EQ(compare<TypeParam>({noise({width, 9}, 1, 100, 0.3, 5)}, speckles(pixels, 1), {})
@@ -301,9 +301,9 @@ void full_width(int width) {
                           })},
                  speckles(1000, 1), {});
 }
-TEST(RtlSpikeFullWidth, Vga) { full_width<SpikeVga>(640); }
-TEST(RtlSpikeFullWidth, Small) { full_width<SpikeSmall>(100); }
-TEST(RtlSpikeFullWidth, Wide) { full_width<SpikeWide>(1280); }
+TEST(RtlSpeckleFullWidth, Vga) { full_width<SpeckleVga>(640); }
+TEST(RtlSpeckleFullWidth, Small) { full_width<SpeckleSmall>(100); }
+TEST(RtlSpeckleFullWidth, Wide) { full_width<SpeckleWide>(1280); }
 
 }  // namespace
 }  // namespace fpga_stereo::test

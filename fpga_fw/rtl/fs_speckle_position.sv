@@ -1,12 +1,12 @@
-// Where a pixel stands in its row, for one pipeline stage of spike.
+// Where a pixel stands in its row, for one pipeline stage of speckle.
 //
 // Formula   position x = 3 word + slot, slot 0..2: the code {word, slot} names a pixel of a row
-//           everywhere in spike. So three neighbours share a word of a 36-bit block RAM, and the
+//           everywhere in speckle. So three neighbours share a word of a 36-bit block RAM, and the
 //           codes with slot 3 are free for verdicts. Only equality of codes is ever needed.
 // Schedule  a counter; first_i is the row start of the stage before, so that the outputs are
 //           registers of their stage.
 // Limits    none: outside rows it counts on and nobody looks.
-module fs_spike_position #(
+module fs_speckle_position #(
   parameter int WordBits = 8
 ) (
   input  logic                clk_i,

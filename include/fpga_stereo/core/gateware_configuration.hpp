@@ -66,8 +66,8 @@ struct GatewareConfiguration {
 };
 
 /// What check_build() refuses is refused.
-Result<GatewareConfiguration> configuration(const GatewareBuild& build,
-                                            const Parameters& parameters,
-                                            const StereoRectification& rectification);
+Result<GatewareConfiguration> make_gateware_configuration(const GatewareBuild& build,
+                                                          const Parameters& parameters,
+                                                          const StereoRectification& rectification);
 
 }  // namespace fpga_stereo

@@ -1,4 +1,4 @@
-#include "fpga_stereo/core/configuration.hpp"
+#include "fpga_stereo/core/gateware_configuration.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -143,8 +143,9 @@ std::vector<RegisterWrite> GatewareConfiguration::writes() const {
   return all;
 }
 
-Result<GatewareConfiguration> configuration(const GatewareBuild& build, const Parameters& p,
-                                            const StereoRectification& r) {
+Result<GatewareConfiguration> make_gateware_configuration(const GatewareBuild& build,
+                                                          const Parameters& p,
+                                                          const StereoRectification& r) {
   if (const Status status = check_build(build, p, r); !status) return status.error();
   const cv::Size size = r.geometry.image_size;
   const auto start = static_cast<std::uint32_t>(read_start(r));

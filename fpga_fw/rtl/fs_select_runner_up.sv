@@ -1,7 +1,7 @@
 // The rival: the smallest sum but for the winner and its two neighbours.
 //
 // Formula   v2 = the smallest S(d), d other than dL-1, dL, dL+1
-// C++ twin  fpga_stereo::select, rival_sum
+// C++ twin  fpga_stereo::select, runner_up_sum
 // Schedule  the two quads of the window (fs_select_left) hold dL-2..dL+2, so v2 is the least of all
 //           other quads and of the five sums of the window that are not exempt:
 //
@@ -20,7 +20,7 @@
 //           A quad of the window that is out of range does not count. One of the two is in range.
 //           Every segment keeps a quad, since quads above the range have the largest sum.
 // Latency   10 ticks from the sums of match, 6 from the inputs of tick 4.
-module fs_select_rival #(
+module fs_select_runner_up #(
   parameter int Segments = 4,
   parameter int SumBits = 13
 ) (
@@ -33,7 +33,7 @@ module fs_select_rival #(
   input  logic [1:0]                    begin_i,      // tick 5
   input  logic                          low_out_i,    // tick 5
   input  logic                          high_out_i,   // tick 5
-  output logic [SumBits-1:0]            rival_sum_o   // tick 10
+  output logic [SumBits-1:0]            runner_up_sum_o   // tick 10
 );
   localparam int S = SumBits;
 
@@ -132,7 +132,7 @@ module fs_select_rival #(
 
       window_q <= less_rest && !rest_out8_q ? rest8_q : half_q;
 
-      rival_sum_o <= less_end ? node[S+:S] : window_q;
+      runner_up_sum_o <= less_end ? node[S+:S] : window_q;
     end
   end
 endmodule

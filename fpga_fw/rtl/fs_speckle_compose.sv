@@ -10,7 +10,7 @@
 // Latency   3 ticks.
 // Limits    index_i and young_i are in step: pixel x of a row in the same tick. Each row's index
 //           points into the row that young_i had one row time earlier.
-module fs_spike_compose #(
+module fs_speckle_compose #(
   parameter int WordBits = 8,
   parameter bit Codes = 1,     // the table holds positions
   parameter bit Verdicts = 0,  // the table holds verdict bits
@@ -32,7 +32,7 @@ module fs_spike_compose #(
   logic [WordBits-1:0] word;
   logic [1:0] slot;
   logic odd;
-  fs_spike_position #(.WordBits(WordBits)) u_position (
+  fs_speckle_position #(.WordBits(WordBits)) u_position (
     .clk_i, .rst_ni, .en_i, .first_i, .word_o(word), .slot_o(slot), .odd_o(odd)
   );
 

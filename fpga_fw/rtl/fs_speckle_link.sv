@@ -16,7 +16,7 @@
 //             run c ends:               inner[h] = 0, last[h] = c
 //           E: at a start of a run p above: if inner[p], the one before if that one has still runs
 //           to come, else the top of the stack; if not inner[p], a new one, last = last[p].
-// C++ twin  src/core/spike.cpp, as a union-find
+// C++ twin  src/core/speckle.cpp, as a union-find
 // Schedule  per pixel, in ticks; the input is tick 3
 //             1  table reads                          3  fetch: table entry, or that of `near`
 //             4  visit: E is pushed, popped or new    5  event: E.head, h, table write
@@ -30,7 +30,7 @@
 //           the end of a run is written in the tick after it, when nothing else is.
 // Latency   3 ticks (outputs: tick 6).
 // Limits    rows of at least 16 pixels.
-module fs_spike_link #(
+module fs_speckle_link #(
   parameter int WordBits = 8,
   parameter int StackDepth = 320
 ) (
@@ -56,7 +56,7 @@ module fs_spike_link #(
   logic [WordBits-1:0] word_1;
   logic [1:0] slot_1;
   logic odd_1;
-  fs_spike_position #(.WordBits(WordBits)) u_position (
+  fs_speckle_position #(.WordBits(WordBits)) u_position (
     .clk_i, .rst_ni, .en_i, .first_i, .word_o(word_1), .slot_o(slot_1), .odd_o(odd_1)
   );
   logic unused;
@@ -187,7 +187,7 @@ module fs_spike_link #(
 
   logic top_set;
   logic [Bits-1:0] top_last, top_head;
-  fs_spike_stack #(.Bits(2 * Bits + 1), .Depth(StackDepth)) u_stack (
+  fs_speckle_stack #(.Bits(2 * Bits + 1), .Depth(StackDepth)) u_stack (
     .clk_i, .rst_ni, .en_i, .clear_i(row_start_q[4]), .push_i(push), .pop_i(pop),
     .data_i({region_set_q | up_5_q, region_last, head_kept}),
     .top_o({top_set, top_last, top_head})

@@ -1,10 +1,10 @@
 // Do two neighbouring pixels belong together?
 //
 // Formula   linked = both valid and |a - b| <= range
-// C++ twin  connected() in src/core/spike.cpp
+// C++ twin  connected() in src/core/speckle.cpp
 // Schedule  tick 0: difference; tick 1: compared with +range and -range
 // Latency   2 ticks.
-module fs_spike_linked #(
+module fs_speckle_linked #(
   parameter int Bits = 11
 ) (
   input  logic            clk_i,

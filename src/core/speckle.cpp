@@ -43,7 +43,7 @@ class Regions {
 
 // A pixel of row y is kept iff its region, as far as rows 0 .. y + L show it, has speckle_size
 // pixels. Whole rows: so the answer depends on the image alone, not on when labels are merged.
-void spike(const Parameters& p, cv::Mat1w& disparity) {
+void speckle(const Parameters& p, cv::Mat1w& disparity) {
   if (p.speckle_size == 0) return;
   const int width = disparity.cols;
   const int height = disparity.rows;
@@ -54,13 +54,13 @@ void spike(const Parameters& p, cv::Mat1w& disparity) {
   const auto connected = [&](std::uint16_t a, std::uint16_t b) {
     return a != kNoDisparity && b != kNoDisparity && std::abs(a - b) <= range;
   };
-  for (int y = 0; y < height + kSpikeLookAhead; ++y) {
+  for (int y = 0; y < height + kSpeckleLookAhead; ++y) {
     for (int x = 0; y < height && x < width; ++x) {
       const int pixel = y * width + x;
       if (x > 0 && connected(in(y, x), in(y, x - 1))) regions.join(pixel, pixel - 1);
       if (y > 0 && connected(in(y, x), in(y - 1, x))) regions.join(pixel, pixel - width);
     }
-    const int decided = y - kSpikeLookAhead;
+    const int decided = y - kSpeckleLookAhead;
     for (int x = 0; decided >= 0 && decided < height && x < width; ++x) {
       if (regions.area(decided * width + x) < p.speckle_size) disparity(decided, x) = kNoDisparity;
     }

@@ -7,7 +7,7 @@
 //             tick 1: RAM register
 //             tick 2: the word goes where the gap is now (place 0 to 2, or nowhere)
 // Limits    push and pop not together; no pop of an empty stack; at most Depth words.
-module fs_spike_stack #(
+module fs_speckle_stack #(
   parameter int Bits = 21,
   parameter int Depth = 320
 ) (
