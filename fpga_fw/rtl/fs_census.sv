@@ -1,17 +1,19 @@
-// Census transform of both rectified images: of the row that enters the correlation window and of
-// the row that leaves it, so that match needs no memory of census bits.
+// Census transform of both rectified images. Computes the bits of the row that enters the
+// correlation window and again those of the row that leaves it, so that match needs no memory of
+// census bits.
 //
-// Formula   bit k = 1 iff I(neighbour k) < I(centre); neighbours in raster order, the centre left
-//           out; 0 for a neighbour outside the image. Full: every neighbour; else those whose row
-//           and column offsets are both even.
+// Formula   bit k = 1 iff I(neighbour k) < I(centre); neighbours in raster order, without the
+//           centre; 0 for a neighbour outside the image. Full: every neighbour; sparse: those whose
+//           row and column offsets are both even.
 // C++ twin  census() in src/core/census.cpp
-// Schedule  the paper's Fig. 4: scan-line buffers, then a window of registers. With Reach = the
-//           largest offset in the pattern, for the pixel (x, y) that comes in:
-//             tick 1            its column of taps enters the windows; entering centre
-//                               (x - Reach, y - Reach), leaving centre CorrelationWindow rows above
+// Schedule  As the paper's Fig. 4: scan-line buffers, then a window of registers. Reach is the
+//           largest offset in the pattern. For the pixel (x, y) that comes in:
+//             tick 1            its column of taps enters the windows; the entering centre is
+//                               (x - Reach, y - Reach), the leaving centre CorrelationWindow rows
+//                               above
 //             tick 2            comparisons
 //           Lines: CorrelationWindow + 2 Reach, 8 + 8 bits wide.
-// Latency   LatencyRows, LatencyTicks for the entering bits; the leaving bits that come with the
+// Latency   LatencyRows, LatencyTicks for the entering bits. The leaving bits that accompany the
 //           entering bits of raster row i are those of raster row i - CorrelationWindow.
 // Handshake the raster (fs_top).
 // Limits    width_i 16 .. MaxWidth.
@@ -20,10 +22,10 @@ module fs_census #(
   parameter int CensusWindow = 11,
   parameter int CorrelationWindow = 15,
   parameter int Full = 0,
-  parameter int Copies = 1,  // of the tick: the lines and what goes with them, then each window
+  parameter int Copies = 1,  // of the tick: one for lines and positions, then one per window
   localparam int Radius = CensusWindow / 2,
   localparam int Reach = Full != 0 ? Radius : Radius - Radius % 2,
-  localparam int Side = Full != 0 ? 2 * Reach + 1 : Reach + 1,  // places along an axis of the pattern
+  localparam int Side = Full != 0 ? 2 * Reach + 1 : Reach + 1,  // positions along an axis
   localparam int Bits = Side * Side - 1
 ) (
   input  logic            clk_i,
@@ -55,7 +57,7 @@ module fs_census #(
     initial $fatal(1, "fs_census: CorrelationWindow is %0d, allowed: 5, 7, .. 21",
                    CorrelationWindow);
 
-  // Scan-line buffers. Tap k is the pixel k rows above the one that comes in: {right, left}.
+  // Scan-line buffers. Tap k is the pixel k rows above the incoming one: {right, left}.
   logic [16*(Lines+1)-1:0] taps;
   assign taps[15:0] = {right_i, left_i};
   fs_line_delay #(
@@ -67,7 +69,7 @@ module fs_census #(
     .data_o(taps[16*(Lines+1)-1:16])
   );
 
-  // Where the entering and the leaving centre stand, two ticks ahead of the windows.
+  // Positions of the entering and the leaving centre, two ticks ahead of the windows.
   logic enter_valid, enter_sof, sol, leave_valid, leave_sof, unused_sol;
   fs_raster_delay #(.Rows(Reach), .Ticks(Reach - 1)) u_enter (
     .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
@@ -88,7 +90,7 @@ module fs_census #(
     .x_o(unused_x), .y_o(leave_y)
   );
 
-  // One tick ahead: how far the image reaches to each side of them.
+  // One tick ahead: distance from the centres to each edge of the image.
   logic [11:0] x_q, right_q, enter_y_q, enter_below_q, leave_y_q, leave_below_q;
   always_ff @(posedge clk_i) begin
     if (en_i[0]) begin
@@ -101,7 +103,7 @@ module fs_census #(
     end
   end
 
-  // Which columns and rows of the windows lie in the image; place i is offset Step i - Reach.
+  // Columns and rows of the windows inside the image; position i has the offset Step i - Reach.
   logic [Side-1:0] columns_q, enter_rows_q, leave_rows_q;
   for (genvar i = 0; i < Side; i++) begin : g_inside
     localparam int Offset = Step * i - Reach;
@@ -127,7 +129,7 @@ module fs_census #(
     end
   end
 
-  // The columns of taps that the windows take: place j, from above, is offset Step j - Reach.
+  // Columns of taps for the windows; position j, counted from above, has the offset Step j - Reach.
   logic [8*Side-1:0] enter_left, enter_right, leave_left, leave_right;
   for (genvar j = 0; j < Side; j++) begin : g_taps
     localparam int Enter = 2 * Reach - Step * j;
@@ -137,7 +139,7 @@ module fs_census #(
     assign leave_left[8*j+:8] = taps[16*Leave+:8];
     assign leave_right[8*j+:8] = taps[16*Leave+8+:8];
   end
-  // The lines between the two windows only delay.
+  // The lines between the two windows serve only as delay.
   logic unused_taps;
   assign unused_taps = ^{taps, unused_sol, unused_x};
 

@@ -1,24 +1,24 @@
-// One census window: a column of taps enters per tick, bits leave.
+// One census window: one column of taps enters per tick, the bits of the centre come out.
 //
-// Formula   bit k = taps(neighbour k) < taps(centre) and the neighbour lies in the image
-// Schedule  tick 1: the window's registers move on by a column; tick 2: comparisons.
-// Limits    columns_i and rows_i belong to the centre that is in the window (after tick 1).
+// Formula   bit k = taps(neighbour k) < taps(centre) and the neighbour is in the image
+// Schedule  tick 1: the window shifts by a column; tick 2: comparisons.
+// Limits    columns_i and rows_i describe the centre that is in the window after tick 1.
 module fs_census_window #(
-  parameter int Side = 5,  // places along an axis
-  parameter int Step = 2,  // pixels from place to place
+  parameter int Side = 5,  // positions along an axis
+  parameter int Step = 2,  // pixels between positions
   localparam int Bits = Side * Side - 1
 ) (
   input  logic              clk_i,
   input  logic              en_i,
-  input  logic [8*Side-1:0] taps_i,     // from above
-  input  logic [Side-1:0]   columns_i,  // in the image; place 0 is the leftmost
+  input  logic [8*Side-1:0] taps_i,     // top to bottom
+  input  logic [Side-1:0]   columns_i,  // inside the image; position 0 is the leftmost
   input  logic [Side-1:0]   rows_i,
   output logic [Bits-1:0]   bits_o
 );
   localparam int Columns = Step * (Side - 1) + 1;
   localparam int Column = 8 * Side;
 
-  // Column 0 is the newest, the rightmost.
+  // Column 0 is the newest and rightmost.
   logic [Column*Columns-1:0] window_q;
   always_ff @(posedge clk_i) begin
     if (en_i) window_q <= (Column * Columns)'({window_q, taps_i});

@@ -1,13 +1,13 @@
-// The tick on its way to the registers of all stages. One flip-flop cannot reach tens of thousands
-// across a chip in a clock: each neighbourhood has a copy of its own, and the raster and the reset
-// of the stages keep step.
+// Distributes the tick to the registers of all stages. One flip-flop cannot drive tens of thousands
+// across a chip within a clock, so each group of registers has its own copy. The raster and the
+// reset of the stages are delayed by the same number of clocks.
 //
-// Schedule  clock 1  a copy for every eight neighbourhoods
-//           clock 2  the copy of each, and of the reset; the raster's registers
-// Latency   2 clocks, not ticks: so many ticks more are on their way when the input reads that
-//           there is room (EnableClocks of fs_output).
+// Schedule  clock 1  one copy per eight groups
+//           clock 2  one copy per group, copies of the reset, and the raster's registers
+// Latency   2 clocks, not ticks: when the input reads that there is room, as many further ticks are
+//           already on their way (EnableClocks of fs_output).
 module fs_enable #(
-  parameter int Copies = 1,  // of the tick
+  parameter int Copies = 1,  // copies of the tick
   parameter int Resets = 1   // copies of the reset
 ) (
   input  logic              clk_i,
@@ -30,7 +30,7 @@ module fs_enable #(
   localparam int Each = 8;
   localparam int Firsts = (Copies + Each - 1) / Each;
 
-  // Kept, for synthesis would find them equal and leave one of them.
+  // Kept: synthesis would otherwise merge the equal registers.
   logic [Firsts-1:0] first_q;
   for (genvar k = 0; k < Firsts; k++) begin : g_first
     (* keep *) always_ff @(posedge clk_i) first_q[k] <= en_i;
@@ -39,7 +39,7 @@ module fs_enable #(
     (* keep *) always_ff @(posedge clk_i) en_o[k] <= first_q[k/Each];
   end
 
-  // A reset of the whole holds the stages at once: nothing of theirs may leave them afterwards.
+  // rst_ni resets the stages without the extra clock: nothing may leave them after it.
   logic rst_nq;
   always_ff @(posedge clk_i) rst_nq <= rst_ni & stage_rst_ni;
   for (genvar k = 0; k < Resets; k++) begin : g_reset

@@ -1,10 +1,10 @@
-// The word of census for its signature.
+// Computes the signature word of census.
 //
-// Formula   fold(left) ^ rol(fold(right), 16); fold: bit k goes, by XOR, to bit k mod 32
+// Formula   fold(left) ^ rol(fold(right), 16); fold XORs bit k into bit k mod 32
 // C++ twin  census_word() in src/core/signature.cpp
 // Schedule  tick 1   the word is registered
 // Latency   LatencyTicks.
-// Handshake raster (sol is not needed behind it).
+// Handshake raster, without sol at the output.
 // Limits    none.
 module fs_fold_census #(
   parameter int Bits = 24

@@ -1,11 +1,11 @@
-// The word of match for its signature.
+// Computes the signature word of match.
 //
 // Formula   XOR over d of rol(S(d), d mod 32)
 // C++ twin  match_word() in src/core/signature.cpp
-// Schedule  tick 1   of each 32 disparities: any bit of the word then has SumBits inputs
-//           tick 2   of all
+// Schedule  tick 1   XOR over each 32 disparities: each bit then has SumBits inputs
+//           tick 2   XOR of those words
 // Latency   LatencyTicks.
-// Handshake raster (sol is not needed behind it).
+// Handshake raster, without sol at the output.
 // Limits    SumBits 1 to 32.
 module fs_fold_match #(
   parameter int Disparities = 64,

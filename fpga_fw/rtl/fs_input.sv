@@ -1,37 +1,38 @@
-// From the stream of pixel pairs to the raster: where the pipeline's ticks are made.
+// Turns the stream of pixel pairs into the raster: makes the pipeline's ticks.
 //
-// Formula   rows of exactly width_i ticks. A row is a row of a frame, or a bubble row: a frame in
-//           flight needs ticks behind it to come out. In each clock, if there is room behind the
-//           pipeline:
-//             in a frame      a tick with the next pixel once it is there; with 0 where one is
-//                             missing
-//             between frames  a tick with a frame's first pixel, if it is there, the row before is
-//                             complete and MinRows rows have begun since the last frame did; else a
-//                             tick of a bubble row, if one is begun, or frames are in flight, or
-//                             the frame that waits needs the distance; else none. Bubbles wait
-//                             for bubble_room_i, too, while no frame waits for them: so what leaves
-//                             the pipeline behind a frame does so as fast as it is taken
+// Formula   Rows have exactly width_i ticks. A row is either a row of a frame or a bubble row: a
+//           frame in flight needs further ticks to leave the pipeline. In each clock in which the
+//           output has room:
+//             in a frame      a tick with the next pixel as soon as it arrives, or with 0 in place
+//                             of a missing pixel
+//             between frames  a tick with a frame's first pixel if it has arrived, the previous row
+//                             is complete and MinRows rows have begun since the last frame began;
+//                             else a tick of a bubble row if such a row has begun, frames are in
+//                             flight, or the waiting frame needs the distance; else no tick.
+//                             While no frame waits for them, bubbles also wait for bubble_room_i,
+//                             so the tail of a frame leaves the pipeline only as fast as it is read
 //           Frames that are not width_i x height_i:
 //             line too short   eol comes early: the rest of the line is 0
 //             line too long    pixels after the width_i-th are dropped, up to eol or sof
-//             frame too short  sof comes early, anywhere: the rest of the frame is 0, at a tick per
-//                              clock, while the new frame waits
-//             frame too long   pixels after the last row are dropped, up to sof; so are those
+//             frame too short  sof comes early, anywhere: the rest of the frame is 0, at one tick
+//                              per clock, while the new frame waits
+//             frame too long   pixels after the last row are dropped, up to sof; so are pixels
 //                              before the first sof
-//           A frame is cut if a pixel of it was made up, long if one was dropped. If it has left
-//           the pipeline by the time a surplus pixel comes, only the counter can tell.
+//           A frame is cut if a pixel of it was filled in, and long if one was dropped. If a
+//           surplus pixel arrives after the frame has left the pipeline, only the counter reports
+//           it.
 // C++ twin  expected_frames() in test/rtl/ends.hpp
 // Schedule  clock 1, 2  fs_stream_fifo, so that ready_o is a register
 //           clock 3     decision; loads en_o and the raster
 //           clock 4     en_o = 1 and the raster holds the pixel that this tick consumes
-//           New configuration: once apply_i is high no frame begins; when nothing is in flight and
-//           the row is complete, apply_o for one clock. The configuration changes in the clock
-//           behind it; the stages are in reset in that clock and the 7 after it.
-// Latency   3 clocks from a pixel to its tick, if the pipeline was empty.
-// Handshake stream in; raster out, with its enable. room_i: the tick decided upon in this clock,
-//           the one now on the raster and the two before it have room. While stage_rst_no is low,
-//           en_o is high, with all tags 0, and what leaves the pipeline does not count.
-// Limits    16 <= width_i, 1 <= height_i; they change only in the clock behind apply_o. Fewer than
+//           New configuration: while apply_i is high no frame begins. When nothing is in flight and
+//           the row is complete, apply_o is high for one clock. The configuration changes in the
+//           next clock; the stages are in reset in that clock and the 7 after it.
+// Latency   3 clocks from a pixel to its tick if the pipeline was empty.
+// Handshake Stream in; raster with its enable out. room_i: there is room for the tick decided on in
+//           this clock, the one now on the raster and the two before it. While stage_rst_no is low,
+//           en_o is high and all tags are 0; the output of the pipeline is then to be ignored.
+// Limits    16 <= width_i, 1 <= height_i; they change only in the clock after apply_o. Fewer than
 //           MaxFrames frames in flight: a further one waits.
 module fs_input #(
   parameter int MinRows = 8,     // from the start of a frame to the start of the next
@@ -58,13 +59,13 @@ module fs_input #(
   output logic [7:0]  right_o,
   // To and from the other end. Pulses.
   input  logic        room_i,
-  input  logic        bubble_room_i,  // and for what bubble rows move on
+  input  logic        bubble_room_i,  // for bubble rows: also room for what they push out
   input  logic        frame_out_i,  // the last pixel of a frame has left the pipeline
   output logic        frame_in_o,   // a frame has begun
   output logic        frame_bad_o,  // the frame that began last is cut or long
   // To and from the registers.
-  input  logic        apply_i,  // level: a configuration waits
-  output logic        apply_o,  // pulse: take it now
+  input  logic        apply_i,  // level: a configuration waits to be applied
+  output logic        apply_o,  // pulse: apply it now
   output logic        busy_o,   // a frame is in flight
   output logic        cut_frame_o,  // pulses, once per frame
   output logic        long_frame_o
@@ -88,15 +89,15 @@ module fs_input #(
     .count_o(unused_count)
   );
 
-  logic running;                         // no reset of the stages
-  logic frame_q;                         // the next tick goes on with a frame
-  logic first_q, last_q;                 // the next tick is the first, the last of its row
-  logic last_row_q;                      // the frame's row is its last
-  logic pad_line_q, drop_line_q;         // up to the end of the line
-  logic seen_q, cut_q, long_q;           // of the frame that began last
-  logic idle_q, full_q, spaced_q;        // no frame in flight, too many, MinRows rows have begun
+  logic running;                         // the stages are not in reset
+  logic frame_q;                         // the next tick belongs to a frame in progress
+  logic first_q, last_q;                 // the next tick is the first (last) one of its row
+  logic last_row_q;                      // this is the last row of the frame
+  logic pad_line_q, drop_line_q;         // fill with 0 (drop) up to the end of the line
+  logic seen_q, cut_q, long_q;           // state of the frame that began last
+  logic idle_q, full_q, spaced_q;        // no frame in flight; too many; MinRows have begun
 
-  // What happens in this clock.
+  // Decisions of this clock.
   logic sof_waits, pads, begins, bubbles, tick, begin_tick, take, drop, apply;
   always_comb begin
     sof_waits = head_valid & head_sof;
@@ -184,7 +185,7 @@ module fs_input #(
   end
   assign frame_bad_o = cut_frame_o | long_frame_o;
 
-  // Frames in flight. They are counted a clock late, which no row is short enough to notice.
+  // Frames in flight, counted one clock late. That is harmless, as every row has more clocks.
   logic [FrameBits-1:0] in_flight_q, in_flight_d;
   assign in_flight_d = in_flight_q + FrameBits'(frame_in_o) - FrameBits'(frame_out_i);
   always_ff @(posedge clk_i) begin

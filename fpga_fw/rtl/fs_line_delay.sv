@@ -1,19 +1,19 @@
-// Delays words of Bits bits by length_i ticks (a row less what the user's own registers take), in
-// block RAM.
+// Delays words of Bits bits by length_i ticks in block RAM. length_i is the length of a row minus
+// the ticks of the user's own registers.
 //
 // Formula   data_o(t) = data_i(t - length_i)
-// Schedule  each memory port reads the oldest word of its ring and writes the newest in the same
-//           place; one register behind the memory. The three users of a pair of block RAMs:
+// Schedule  Each memory port reads the oldest word of its ring and writes the newest in its place;
+//           one register follows the memory. The three users of a pair of block RAMs:
 //
 //             RAM 0:  port a: lane 0, whole      port b: lane 2, first half
 //             RAM 1:  port a: lane 1, whole      port b: lane 2, second half
 //
-//           A block RAM of 1024 x 18 holds one row of 640 words and more than half of another; both
-//           halves of the third row are delays too, one behind the other. So three lanes of 18 bits
-//           take two block RAMs instead of three (2048 x 9: rows of up to 1365 words).
+//           A block RAM of 1024 x 18 holds one row of 640 words and more than half of another. The
+//           two halves of the third row are two delays in series. So three lanes of 18 bits take
+//           two block RAMs instead of three (2048 x 9: rows of up to 1365 words).
 // Latency   length_i ticks.
-// Limits    6 <= length_i <= MaxLength. What comes out in the first length_i ticks is undefined.
-//           length_i must be constant; after a change wait for that many ticks.
+// Limits    6 <= length_i <= MaxLength. The output of the first length_i ticks is undefined.
+//           length_i must be constant; after a change wait for length_i ticks.
 module fs_line_delay #(
   parameter int Bits = 18,
   parameter int MaxLength = 640
@@ -25,19 +25,20 @@ module fs_line_delay #(
   input  logic [Bits-1:0]                data_i,
   output logic [Bits-1:0]                data_o
 );
-  // The widest word of an 18-kbit block RAM (dual-port) that is deep enough.
+  // The widest word of an 18-kbit dual-port block RAM that is deep enough.
   localparam int Depth = MaxLength <= 1024 ? 1024 : 2048;
   localparam int Word = MaxLength <= 1024 ? 18 : 9;
   localparam int Lanes = (Bits + Word - 1) / Word;
   localparam bit Packs = MaxLength + (MaxLength + 1) / 2 <= Depth;
   localparam int Triples = Packs ? Lanes / 3 : 0;
   localparam int Singles = Lanes - 3 * Triples;
-  localparam int Half = (MaxLength + 1) / 2;  // of a split lane
+  localparam int Half = (MaxLength + 1) / 2;  // words of a split lane
   localparam int AddressBits = $clog2(Depth);
   if (MaxLength > 2048 || MaxLength < 6)
     initial $fatal(1, "fs_line_delay: MaxLength is %0d, allowed: 6 to 2048", MaxLength);
 
-  // The rings' positions. A ring of n words, its read register and one more delay by n + 2.
+  // Positions of the rings. A ring of n words with its read register and output register delays by
+  // n + 2 ticks.
   logic [AddressBits-1:0] whole_q, first_q, second_q;
   logic [AddressBits-1:0] whole_last, first_last, second_last;
   logic [AddressBits-1:0] length;
@@ -98,7 +99,7 @@ module fs_line_delay #(
     assign data_out[Base+:Word] = out_q;
   end
 
-  // The halves have no use where nothing is packed.
+  // Nothing uses the positions of the halves if no lanes are packed.
   if (Triples == 0) begin : g_no_halves
     logic unused;
     assign unused = ^{first_q, second_q};

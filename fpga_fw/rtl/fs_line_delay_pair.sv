@@ -1,9 +1,9 @@
-// Two delays in one dual-port block RAM: a whole lane below, a half lane above SplitBase.
+// Two delays in one dual-port block RAM: a whole lane below SplitBase, half a lane above it.
 //
 // Formula   a_o(t) = a_i(t - ring length - 2), b_o likewise
-// Schedule  tick 0: the ring's oldest word is read, then the newest written in its place;
+// Schedule  tick 0: reads the oldest word of the ring, then writes the newest in its place;
 //           tick 1: register.
-// Limits    the two regions do not overlap, so the ports never meet at an address.
+// Limits    The two regions do not overlap, so the ports never access the same address.
 module fs_line_delay_pair #(
   parameter int Word = 18,
   parameter int Depth = 1024,
@@ -31,7 +31,7 @@ module fs_line_delay_pair #(
       a_o <= a_read_q;
     end
   end
-  // A dual-port memory: each port is a process of its own.
+  // A dual-port memory: each port has its own process.
   // verilator lint_off MULTIDRIVEN
   always_ff @(posedge clk_i) begin
     if (en_i) begin

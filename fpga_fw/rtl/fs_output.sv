@@ -1,21 +1,21 @@
-// From the raster behind the last stage to the stream of disparities.
+// Turns the raster after the last stage into the stream of disparities.
 //
-// Formula   one word per pixel of a frame: disparity, sof (first pixel of the frame), eol (last of
+// Formula   One word per pixel of a frame: disparity, sof (first pixel of the frame), eol (last of
 //           the row), eof (last of the frame), bad (with eof: the frame was cut or long, or rectify
 //           lacked pixels of it).
-// Schedule  tick      the pixel, its place on the frame: registered
+// Schedule  tick      registers the pixel and its position in the frame
 //           clock 1   into fs_stream_fifo; room_o follows in clock 3
-//           Bad frames: two sources tell, each in the order of frames: the input (frame_in_i, then
-//           frame_bad_i) and rectify (buffer_sof_i, then buffer_error_i).
+//           Bad frames are reported by two sources, each in the order of frames: the input
+//           (frame_in_i, then frame_bad_i) and rectify (buffer_sof_i, then buffer_error_i).
 // Latency   3 clocks from the tick to valid_o.
-// Handshake raster in, stream out. room_o says that the FIFO can take 4 words more, and one for each
-//           of EnableClocks: so many may be on their way when fs_input reads it, whose en_o comes
-//           here EnableClocks later; and that room_i was high. While stage_rst_ni is low the raster
-//           is ignored.
+// Handshake Raster in, stream out. room_o says that room_i was high and that the FIFO can take 4
+//           more words plus EnableClocks: that many may be on their way when fs_input reads room_o,
+//           as its en_o arrives here EnableClocks later. While stage_rst_ni is low the raster is
+//           ignored.
 // Limits    MaxFrames as in fs_input. A flag must come 4 clocks before its frame's last tick.
 module fs_output #(
   parameter int MaxFrames = 256,
-  parameter int EnableClocks = 0  // 0 to 8: from fs_input's tick to en_i
+  parameter int EnableClocks = 0  // 0 to 8: clocks from fs_input's tick to en_i
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -29,15 +29,15 @@ module fs_output #(
   input  logic        sol_i,
   input  logic [15:0] disparity_i,
   // To and from the input. Pulses.
-  input  logic        room_i,          // further on
+  input  logic        room_i,          // room further downstream
   output logic        room_o,
   output logic        frame_out_o,     // a frame's last pixel has left the pipeline
   input  logic        frame_in_i,      // a frame has begun
   input  logic        frame_bad_i,     // the frame that began last is bad
-  // From rectify, as its raster: read in ticks.
+  // From rectify's raster, sampled at ticks.
   input  logic        buffer_sof_i,    // first pixel of a frame
-  input  logic        buffer_error_i,  // in the frame of the last sof, also in the tick of the sof
-  output logic        buffer_frame_o,  // pulse: a frame with such errors has left the pipeline
+  input  logic        buffer_error_i,  // error in the frame of the last sof
+  output logic        buffer_frame_o,  // pulse: a frame with such an error has left the pipeline
   // The stream.
   output logic        valid_o,
   input  logic        ready_i,
@@ -55,7 +55,7 @@ module fs_output #(
   if (EnableClocks < 0 || EnableClocks > 8)
     initial $fatal(1, "fs_output: EnableClocks is %0d, allowed: 0 to 8", EnableClocks);
 
-  // The pixel's place.
+  // Position of the pixel.
   logic tick, take;
   assign tick = en_i & stage_rst_ni;
   assign take = tick & valid_i;
@@ -63,13 +63,13 @@ module fs_output #(
   fs_position u_position (
     .clk_i, .rst_ni(stage_rst_ni), .en_i(tick), .valid_i, .sof_i, .sol_i, .x_o(x), .y_o(y)
   );
-  // The row may be known two clocks late: its last column is not among the first.
+  // The last-row flag may be two clocks late: the last column is not among the first two.
   logic [11:0] y_q;
   logic last_column, last_row_q, last;
   assign last_column = x == last_x_q;
   assign last = last_column & last_row_q;
 
-  // Bad frames, by source: 0 the input, 1 rectify.
+  // Bad frames by source: 0 is the input, 1 is rectify.
   logic [1:0] began, told, bad;
   assign began = {tick & buffer_sof_i, frame_in_i};
   assign told = {tick & buffer_error_i, frame_bad_i};

@@ -1,6 +1,6 @@
-// Where on its frame the tick of a raster stands.
+// Computes the position within the frame of the tick whose tags are at the inputs.
 //
-// Formula   x = ticks since sol, y = rows since sof (standing still in bubble rows)
+// Formula   x = ticks since sol, y = rows since sof (constant during bubble rows)
 // Latency   none: x_o, y_o belong to the tick whose tags are at the inputs.
 module fs_position (
   input  logic        clk_i,

@@ -1,11 +1,11 @@
 // Delays the tags of the raster (valid, sof, sol) by Rows rows and Ticks ticks.
 //
 // Formula   tags_o(t) = tags_i(t - Rows * width - Ticks)
-// Schedule  a shift register of one valid and one sof bit per row moves on at each sol; sol itself
-//           has the period of a row, so that it needs no rows of delay. The tick part is a plain
-//           shift register.
+// Schedule  A shift register with one valid and one sof bit per row moves at each sol. sol itself
+//           repeats every row, so it needs no delay by rows. The delay by ticks is a plain shift
+//           register.
 // Latency   Rows rows and Ticks ticks; Ticks >= 1.
-// Limits    rows come without gaps from the first sol on (the raster, see fs_top).
+// Limits    Rows come without gaps from the first sol on (the raster, see fs_top).
 module fs_raster_delay #(
   parameter int Rows = 1,
   parameter int Ticks = 1

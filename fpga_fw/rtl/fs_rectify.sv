@@ -1,10 +1,11 @@
-// Both raw images onto common rows: every rectified pixel from four raw ones, by the meshes.
+// Rectifies both raw images onto common rows: interpolates each rectified pixel from four raw ones
+// at the position given by the camera's mesh.
 //
 // Formula   pipeline.md "rectify" and "Line buffer"; exact for every mesh of 16-bit nodes
 // C++ twin  fpga_stereo::rectify (src/core/rectify.cpp); buffer_need() gives T_s and rows
 // Schedule  stage s of a rectified pixel n is the tick s ticks after the raw pixel n + T_s came in:
 //
-//              1-3   raw row and column; T_s behind the raw rows the rectified rows begin
+//              1-3   raw row and column; rectified rows begin T_s after the raw rows
 //              4     row of the mesh
 //              5-8   mesh reads, two cells ahead: column i = nodes (i, j) and (i, j + 1), dy first
 //              9-13  column(i)                               (fs_rectify_mesh)
@@ -13,30 +14,31 @@
 //              24-29 four taps                               (fs_rectify_buffer)
 //              30-35 bilinear                                (fs_rectify_camera)
 //           and raw pixel n + T_s is written at the end of stage 11.
-//           Ticks at which nodes are read, from the start of a row (four reads a column):
+//           Ticks at which nodes are read, counted from the start of a row (four reads a column):
 //             0-3 column 0, 4-7 column 1, 9-12 column 2, 13-16 column 3, 8 k + 21 .. 24 column
 //             k + 4: so the last column is read by the tick of pixel W - 1, and the step to each
-//             column is known after the step before it has been taken up.
+//             column is known only after the previous step has been used.
 // Latency   T_s + LatencyTicks ticks; T_s = read_rows_i * width_i + read_pixels_i.
-// Handshake the raster (see fs_top); sof and height_i alone say which rows belong to a frame.
-//           left_error_o, right_error_o: with the pixel, one of its taps was in the raw image but
-//           not in the buffer, or its mesh row is not all in the mesh memory. With
+// Handshake The raster (see fs_top); only sof and height_i decide which rows belong to a frame.
+//           left_error_o, right_error_o: come with the pixel; one of its taps was in the raw image
+//           but not in the buffer, or its mesh row is not entirely in the mesh memory. With
 //           k = raster number of the tap - raster number of its pixel, a tap is in the buffer iff
 //             T_s - (LineRows - 1) * width_i <= k < T_s
 //           A host may send a map iff buffer_need() gives at most LineRows - 1 rows for this T_s.
 // Limits    width_i 16..MaxWidth, height_i 1..1200, T_s >= 0 with any read_pixels_i < width_i and
-//           read_rows_i < 2^ceil(log2(LineRows + 1)). Rows of the ring hold raster rows, bubbles
-//           included: neither short frames nor odd heights cost any of it.
+//           read_rows_i < 2^ceil(log2(LineRows + 1)). The rows of the ring hold raster rows,
+//           bubble rows included, so short frames and odd heights waste none of it.
 //           The mesh has ceil(W/8)+1 nodes a row; node (i, j) is at j * (ceil(W/8)+1) + i. Its
-//           write port goes straight to memory: drive it from registers. It takes a node a clock,
-//           whatever en_i and rst_ni are, into the bank that mesh_bank_i does not name.
-//           Settings and mesh_bank_i may change while no frame is inside; rows that come out
+//           write port goes straight to memory: drive it from registers. It takes one node per
+//           clock, independent of en_i and rst_ni, into the bank that mesh_bank_i does not select.
+//           Settings and mesh_bank_i may change while no frame is inside. The rows output around a
+//           change of width_i or T_s may have any length.
 //           around a change of width_i or T_s may have any length.
 module fs_rectify #(
   parameter int MaxWidth = 640,
   parameter int LineRows = 102,
   parameter int MeshNodes = 5120,
-  parameter int Copies = 1  // of the tick: places, then of each camera all but its mesh, its mesh
+  parameter int Copies = 1  // of the tick: position logic, then per camera the rest and its mesh
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -77,14 +79,14 @@ module fs_rectify #(
   if (LineRows < 4 || LineRows > 254 || LineRows % 2 != 0)
     initial $fatal(1, "fs_rectify: LineRows is %0d, allowed: even, 4 to 254", LineRows);
 
-  // The oldest row that is promised is overwritten a row after its last read at T_s.
+  // The oldest row promised to the reader is overwritten one row after its last read at T_s.
   if (ReadStage < WriteStage || ReadStage - WriteStage >= fs_pkg::GatewareMinWidth)
     initial $fatal(1, "fs_rectify: reads must come 0 to %0d ticks after writes",
                    fs_pkg::GatewareMinWidth - 1);
 
-  // What follows from the settings.
+  // Values derived from the settings.
   logic [HalfBits-1:0] half_q;    // ceil(W / 2), words of a row in a bank
-  logic [9:0] stride_q;           // nodes of a row of the mesh
+  logic [9:0] stride_q;           // nodes in a row of the mesh
   logic [11:0] wrap_q, no_wrap_q; // x - column of the writer, in the rows after and before its wrap
   always_ff @(posedge clk_i) begin
     half_q <= HalfBits'((width_i + 12'd1) >> 1);
@@ -93,7 +95,7 @@ module fs_rectify #(
     no_wrap_q <= -read_pixels_i;
   end
 
-  // Raw rows: stage s is bit s. Column in stage 2.
+  // Raw rows: bit s belongs to stage s. Column in stage 2.
   logic [21:1] raw_sol_q;
   logic raw_sof_q, running_q;
   logic [11:0] raw_column_q;
@@ -110,8 +112,8 @@ module fs_rectify #(
     if (en_i[0]) raw_column_q <= raw_sol_q[1] ? '0 : raw_column_q + 12'd1;
   end
 
-  // Is the rectified row the first of a frame? The rows' sof flags, delayed by read_rows_i rows:
-  // by each power of two on its own, the upper ones a tick later.
+  // Detects the first rectified row of a frame: delays the rows' sof flags by read_rows_i rows,
+  // with one delay per power of two; the upper ones work one tick later.
   localparam int Split = RowBits / 2;
   logic [RowBits:0] late_sof /* verilator split_var */;
   logic middle_q;
@@ -137,7 +139,7 @@ module fs_rectify #(
   logic row_sof_q;
   assign late_sof[0] = row_sof_q;
 
-  // Rectified rows: sol and sof of stage s are bits s.
+  // Rectified rows: bit s of sol and sof belongs to stage s.
   logic [LatencyTicks:3] sol_q;
   logic [LatencyTicks:4] sof_q;
   always_ff @(posedge clk_i) begin
@@ -152,11 +154,11 @@ module fs_rectify #(
     end
   end
 
-  // Mesh reads. Stage 5: what to read; stage 6: address.
+  // Mesh reads. Stage 5: node to read; stage 6: address.
   logic [2:0] fraction_q;               // y modulo 8
   logic [15:0] upper_q, lower_q, next;  // addresses of the nodes (0, j), (0, j + 1), (0, j + 2)
   logic [2:0] phase_q;
-  logic [1:0] cell_q;                   // 0, 1, then 2
+  logic [1:0] cell_q;                   // counts 0, 1, then stays at 2
   logic pause_q, read;
   logic [8:0] column_q;
   assign next = lower_q + 16'(stride_q);
@@ -196,10 +198,10 @@ module fs_rectify #(
     end
   end
 
-  // With the second node of a column in stage s: y modulo 8 in stage 10, results in stage 13.
+  // Together with the second node of a column: y modulo 8 in stage 10, results in stage 13.
   logic [2:0] fraction_6_q, fraction_7_q, fraction_8_q, fraction_9_q, fraction_10_q;
   logic [13:6] result_q, result_dy_q, result_first_q;
-  logic [24:6] mesh_over_q;  // the mesh row of the pixel in stage s is not all in memory
+  logic [24:6] mesh_over_q;  // the mesh row of the pixel in stage s is not entirely in memory
   always_ff @(posedge clk_i) begin
     if (en_i[0]) begin
       fraction_6_q <= fraction_q;
@@ -214,13 +216,13 @@ module fs_rectify #(
     end
   end
 
-  // The pixel's place. Stage 19: x modulo 8; stage 20: y; stage 22: x.
+  // Position of the pixel. Stage 19: x modulo 8; stage 20: y; stage 22: x.
   logic [2:0] x_fraction_q;
   logic [21:19] cell_start;
   logic [20:19] cell_start_q;
   logic [11:0] y_q, rows_left_q, x_q, x_from_end_q, x_from_writer_q;
-  logic [RowBits:0] lead_q;      // rows from the pixel's to the writer's
-  logic [RingBits-1:0] ring_q;   // row of the ring that the writer is in, stage 21
+  logic [RowBits:0] lead_q;      // rows from the pixel's row to the writer's
+  logic [RingBits-1:0] ring_q;   // row of the ring that is being written, stage 21
   logic [LatencyTicks:20] valid_q;
   assign cell_start = {cell_start_q, x_fraction_q == '0};
   always_ff @(posedge clk_i) begin
@@ -248,12 +250,12 @@ module fs_rectify #(
       if (sol_q[19]) valid_q[20] <= sof_q[19] | (valid_q[20] & rows_left_q != 12'd1);
     end
   end
-  // Writing. Stage 9: row of the ring; stage 10: its address, column; stage 11: address.
+  // Write side. Stage 9: row of the ring; stage 10: its address, column; stage 11: address.
   logic [RingBits-1:0] write_ring_q;
   logic write_odd_q;
   logic [BankBits-1:0] write_base_q, write_address_q;
   logic [11:0] write_column_q;
-  logic [3:0] write_bank_q;  // one of them: odd row, odd column
+  logic [3:0] write_bank_q;  // one-hot; index = {odd row, odd column}
   logic [16*WriteStage-1:0] raw_q;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin

@@ -1,13 +1,13 @@
-// The last LineRows raster rows of one camera, of which four neighbouring pixels are read per tick.
+// Holds the last LineRows raster rows of one camera; reads a 2 x 2 block of pixels per tick.
 //
-// Formula   tap (odd row, odd column) of the 2 x 2 pixels at row row_i of the ring, column
-//           column_i; 0 where inside_i says that it is not in the raw image
-// Schedule  four banks, by odd and even row and column, so that each of the four pixels is in a
-//           bank of its own; a row pair r of the ring begins at r * ceil(W / 2):
+// Formula   taps (even/odd row, even/odd column) of the 2 x 2 pixels at row row_i of the ring and
+//           column column_i; 0 where inside_i says that the tap is outside the raw image
+// Schedule  Four banks, by odd and even row and column, so that each of the four pixels is in its
+//           own bank. Row pair r of the ring begins at address r * ceil(W / 2):
 //             24 row pairs, columns  25 products  26 addresses  27 read  28 register  29 taps
-// Latency   6 ticks (from stage 23 to 29); what is written can be read in the next tick.
-// Limits    an address must not be read in the tick in which it is written, unless inside_i is 0.
-//           Banks are bits 0 even row, even column; 1 even, odd; 2 odd, even; 3 odd, odd.
+// Latency   6 ticks (from stage 23 to 29); a written pixel can be read in the next tick.
+// Limits    An address must not be read in the tick in which it is written, unless inside_i is 0.
+//           Bank numbers: 0 even row, even column; 1 even, odd; 2 odd, even; 3 odd, odd.
 module fs_rectify_buffer #(
   parameter int MaxWidth = 640,
   parameter int LineRows = 102,
@@ -34,7 +34,7 @@ module fs_rectify_buffer #(
   logic [BankBits-1:0] even_row_q, odd_row_q;
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      // Below an odd row the even one is of the next pair.
+      // The even row below an odd row belongs to the next pair.
       odd_pair_q <= row_i[RingBits-1:1];
       even_pair_q <= row_i == RingBits'(LineRows - 1) ? '0
                      : row_i[RingBits-1:1] + PairBits'(row_i[0]);

@@ -1,20 +1,26 @@
-// One camera of rectify: mesh, line buffer, and what lies between and behind them.
+// One camera of rectify: mesh, line buffer, source position and interpolation.
 //
 // Formula   source = 32 (x, y) + displacement = 32 (u, v) + (a, b), 0 <= a, b < 32
 //           pixel = ((32-b) ((32-a) I(u, v) + a I(u+1, v)) + b (... v+1 ...) + 512) >> 10
 // C++ twin  rectify_row() in src/core/rectify.cpp
 // Schedule  stages as in fs_rectify:
-//             21 v, and v from the writer's row  22 inside, in the buffer; row of the ring, not
-//             wrapped  23 row of the ring; u  24 inside; weights  25 error
-//             24-29 fs_rectify_buffer  30-32 along the rows  33-35 down
-//           The banks of the buffer are even and odd rows and columns, so the weights are those of
-//           even and odd: no tap is moved. A pixel is
+//             21     v, and v relative to the writer's row
+//             22     rows inside the image and in the buffer; row of the ring before wrapping
+//             23     row of the ring; u
+//             24     columns inside; weights
+//             25     error
+//             24-29  fs_rectify_buffer
+//             30-32  horizontal interpolation
+//             33-35  vertical interpolation
+//           The banks of the buffer hold even and odd rows and columns, so the weights are assigned
+//           to even and odd as well and no tap has to be moved. A pixel is
 //             even + weight (odd - even)
-//           with a rounding bit put in under the first product.
+//           with the rounding constant inserted below the first product.
 // Latency   35 stages.
-// Limits    see fs_rectify. Distances from the writer are exact: with the writer at column c of the
-//           row R below the pixel's, T_s = R W + c - x, and a tap at (u, v) is written iff
-//           (v - y, u) < (R, c), and kept iff (v - y + LineRows - 1, u) >= (R, c), row first.
+// Limits    see fs_rectify. Distances from the writer are exact: with the writer at column c, R
+//           rows below the pixel's row, T_s = R W + c - x. A tap at (u, v) has been written iff
+//           (v - y, u) < (R, c), and is still held iff (v - y + LineRows - 1, u) >= (R, c); pairs
+//           are compared row first.
 module fs_rectify_camera #(
   parameter int MaxWidth = 640,
   parameter int LineRows = 102,
@@ -45,11 +51,11 @@ module fs_rectify_camera #(
   input  logic                row_dx_i,
   input  logic                cell_dy_i,
   input  logic                cell_dx_i,
-  // The pixel's place.
+  // Position of the pixel.
   input  logic [RowBits:0]    lead_i,           // stage 20: R
   input  logic [11:0]         y_i,              // stage 20
   input  logic [11:0]         rows_left_i,      // stage 20: H - y
-  input  logic [RingBits-1:0] ring_i,           // stage 21: row of the ring of the writer
+  input  logic [RingBits-1:0] ring_i,           // stage 21: row of the ring that is being written
   input  logic [11:0]         x_i,              // stage 22
   input  logic [11:0]         x_from_end_i,     // stage 22: x - W
   input  logic [11:0]         x_from_writer_i,  // stage 22: x - c
@@ -72,8 +78,8 @@ module fs_rectify_camera #(
     .row_dy_i, .row_dx_i, .cell_dy_i, .cell_dx_i, .dy_o(dy), .dx_o(dx)
   );
 
-  // Down. Stage 21.
-  logic signed [9:0] down_q;  // rows from the writer's
+  // Vertical. Stage 21.
+  logic signed [9:0] down_q;  // rows relative to the writer's row
   logic signed [11:0] v_q, v_from_end_q;
   always_ff @(posedge clk_i) begin
     if (en_i) begin
@@ -82,7 +88,7 @@ module fs_rectify_camera #(
       v_from_end_q <= 12'($signed(dy[14:5])) - $signed(rows_left_i);
     end
   end
-  // Stages 22 and 23, and flags in 24.
+  // Stages 22 and 23, flags in 24.
   localparam logic signed [9:0] Oldest = 10'(1 - LineRows);
   logic upper_in, lower_in;
   logic [RingBits:0] ring_sum_q;
@@ -98,7 +104,7 @@ module fs_rectify_camera #(
       lower_in_q <= lower_in;
       upper_in_23_q <= upper_in_q;
       lower_in_23_q <= lower_in_q;
-      // The lowest row in the image, and the uppermost.
+      // The lowest row that is in the image, and the uppermost.
       too_new_q <= {too_new_q[1:0], down_q > 0 || (down_q == 0 && lower_in)};
       at_new_q <= {at_new_q[1:0], lower_in ? down_q == -10'sd1 : down_q == 0};
       too_old_q <= {too_old_q[1:0],
@@ -110,7 +116,7 @@ module fs_rectify_camera #(
     end
   end
 
-  // Along. Stage 23, and flags in 24.
+  // Horizontal. Stage 23, flags in 24.
   logic signed [11:0] u_q, u_from_end_q, u_from_writer_q;
   logic left_in, right_in, left_in_q, right_in_q, column_odd_q, too_new_column_q, kept_column_q;
   assign left_in = !u_q[11] && u_from_end_q[11];
@@ -123,7 +129,7 @@ module fs_rectify_camera #(
       left_in_q <= left_in;
       right_in_q <= right_in;
       column_odd_q <= u_q[0];
-      // The rightmost column in the image, and the leftmost.
+      // The rightmost column that is in the image, and the leftmost.
       too_new_column_q <= !u_from_writer_q[11] || (right_in && &u_from_writer_q);
       kept_column_q <= left_in ? !u_from_writer_q[11] : &u_from_writer_q;
     end
@@ -144,7 +150,7 @@ module fs_rectify_camera #(
   end
   assign error_o = error_q[35];
 
-  // Which banks' taps are inside. Rows in stage 24, columns in 25, both in 27 and 28.
+  // Banks whose taps are inside the image. Rows in stage 24, columns in 25, both in 27 and 28.
   logic [1:0] rows_24_q, rows_25_q, rows_26_q, columns_25_q, columns_26_q;  // [1]: odd
   logic [3:0] inside_27_q, inside_q;
   always_ff @(posedge clk_i) begin
@@ -159,7 +165,7 @@ module fs_rectify_camera #(
     end
   end
 
-  // Weights of the odd row and column. Stage 24, then to 33 and 30.
+  // Weights of the odd row and the odd column. From stage 24, delayed to 33 and 30.
   logic [4:0] b_21_q, b_22_q, b_23_q, a_23_q;
   logic [6*10-1:0] row_weight_q;
   logic [6*7-1:0] column_weight_q;
@@ -185,7 +191,7 @@ module fs_rectify_camera #(
     .row_i(row_q), .column_i(u_q[HalfBits:0]), .inside_i(inside_q), .taps_o(taps)
   );
 
-  // Along the even row and the odd one. Stage 32: 32 times the grey value, plus 16.
+  // Interpolates along the even row and the odd row. Stage 32: 32 times the grey value, plus 16.
   logic [25:0] blend_q;
   for (genvar k = 0; k < 2; k++) begin : g_row
     logic signed [8:0] difference_q;
@@ -204,7 +210,7 @@ module fs_rectify_camera #(
     assign unused = ^product_q[14:13];
   end
 
-  // Down. Stage 35.
+  // Interpolates between the rows. Stage 35.
   logic signed [13:0] difference_q;
   logic signed [19:0] product_q;
   logic [12:0] even_33_q, even_34_q;

@@ -1,30 +1,31 @@
-// The mesh of one camera: memory for two of them, and the displacement of each pixel of a row.
+// Holds two meshes of one camera (in use and shadow) and computes the displacement of each pixel of
+// a row.
 //
 // Formula   column(i) = 8 n(i, j) + (n(i, j+1) - n(i, j)) fy, fy = y modulo 8          1/1024 px
 //           m = 8 column(i) + (column(i+1) - column(i)) fx, fx = x modulo 8            1/8192 px
 //           d*_o = (m + 128) >> 8                                                      1/32 px
-//           for dx and dy, in one and the same unit, one after the other
+//           The same logic computes dx and dy, one after the other.
 // C++ twin  fpga_stereo::MeshRow (src/core/mesh.cpp)
 // Schedule  stages of a column, counted for its second node:
-//             6 address  7 read  8 register  9 node, from its chunk  10 difference
-//             11-13 column, by Horner's rule  14 step from the column before
+//             6 address  7 read  8 register  9 node, selected from its chunk  10 difference
+//             11-13 column, by Horner's rule  14 step from the previous column
 //           stages of a pixel: 19 (dx: 21) start of a row or a cell, 20 (dx: 22) output.
-//           m is a sum of steps; at a cell's start it is 8 column(i) by itself.
-//           128 is 16 in every column, or 2 in every node.
-// Latency   as above; the schedule of the reads is fs_rectify's.
-// Limits    result_i in stage 13 for each column, dy and dx of a column in this order;
-//           step_dy_i, step_dx_i with it but for column 0. A step must not come before the cell
-//           start at which the step before is taken up.
-//           Both banks are 0 (identity) after configuration. Bank, node and coordinate make up the
-//           address: {node, bank, dy}. A chunk of 1024 nodes is 4 block RAMs of 18 kbit, read 4
-//           bits wide.
+//           m is a sum of steps; at the start of a cell it equals 8 column(i).
+//           The rounding constant 128 is 16 in every column, or 2 in every node.
+// Latency   as above; fs_rectify schedules the reads.
+// Limits    result_i in stage 13 for each column, dy before dx; step_dy_i, step_dx_i with it except
+//           for column 0. A step must not come before the start of the cell that uses the previous
+//           step.
+//           Both banks are 0 (identity) after the FPGA is configured. Node, bank and coordinate
+//           form the address: {node, bank, dy}. A chunk of 1024 nodes is 4 block RAMs of 18 kbit,
+//           read 4 bits wide.
 module fs_rectify_mesh #(
   parameter int MeshNodes = 5120
 ) (
   input  logic        clk_i,
   input  logic        en_i,
-  input  logic        we_i,    // whatever en_i
-  input  logic        bank_i,  // to be read; the other one is written
+  input  logic        we_i,    // independent of en_i
+  input  logic        bank_i,  // the bank to read; the other one is written
   input  logic [15:0] write_node_i,
   input  logic [31:0] data_i,
   input  logic [15:0] node_i,       // stage 6
@@ -107,7 +108,7 @@ module fs_rectify_mesh #(
   end
   assign step = column_q - before_2_q;
 
-  // Along the row. At its start before_3_q is column 0: column 1 has just gone by.
+  // Sum along the row. At its start before_3_q is column 0: column 1 was the last one computed.
   logic signed [Node+3:0] next_dy_q, next_dx_q, step_dy_q, step_dx_q;
   logic signed [Node+6:0] m_dy_q, m_dx_q;
   always_ff @(posedge clk_i) begin

@@ -1,16 +1,16 @@
-// FIFO between two streams, and the definition of a stream.
+// FIFO between two streams. This header defines a stream.
 //
-// Stream    valid, ready and a payload: data, with images also sof (first pixel of a frame) and eol
-//           (last pixel of a line). A word moves in a clock with valid and ready. Once valid is
-//           high, valid and payload stay as they are until the word has moved. ready may come and
-//           go at any time, and does not wait for valid. No blanking: a line may follow a line,
+// Stream    valid, ready and a payload: data, and for images also sof (first pixel of a frame) and
+//           eol (last pixel of a line). A word is transferred in each clock with valid and ready.
+//           Once valid is high, valid and the payload stay unchanged until the transfer. ready may
+//           change at any time and does not wait for valid. No blanking: a line may follow a line,
 //           and a frame a frame, in the next clock.
 // Formula   words out = words in
-// Schedule  clock 1 a word enters the memory; clock 2 it moves to the output register.
+// Schedule  clock 1: a word enters the memory; clock 2: it moves to the output register.
 // Latency   2 clocks when empty; one word per clock in and out.
-// Handshake stream on both sides; ready_o is a register, data_o too: no path leads from one side to
-//           the other. In reset ready_o is high and what comes is lost.
-// Limits    Depth words in distributed RAM, a power of two, and one in the output register.
+// Handshake Stream on both sides. ready_o and data_o are registers: no combinational path leads
+//           from one side to the other. During reset ready_o is high and incoming words are lost.
+// Limits    Depth words in distributed RAM, a power of two, plus one in the output register.
 module fs_stream_fifo #(
   parameter int Bits = 18,
   parameter int Depth = 16

@@ -1,21 +1,22 @@
-// The stereo pipeline: pairs of raw pixels in, disparities out, one of each per clock.
+// The stereo pipeline: takes one pair of raw pixels per clock and returns one disparity per clock.
 //
 //   fs_input -> rectify -> census -> match -> select -> check -> subpixel -> speckle -> fs_output
 //
 // C++ twin  Pipeline in src/core/pipeline.cpp; src/core/stages.hpp
-// Schedule  fs_input makes ticks (en) of the pixels that come, fs_enable hands them out. Between the
-//           stages runs the raster: every tick is the next place of a row of width ticks, rows
-//           follow each other without a gap, and three tags go with the data:
-//             valid  the row is one of a frame (else a bubble row, which only moves frames on)
+// Schedule  fs_input turns incoming pixels into ticks (en); fs_enable distributes the ticks. The
+//           stages pass each other the raster: every tick is the next position in a row of width
+//           ticks, rows follow each other without a gap, and three tags accompany the data:
+//             valid  the row belongs to a frame (otherwise it is a bubble row, which only moves
+//                    frames along)
 //             sof    first pixel of a frame
-//             sol    first tick of a row, of bubble rows too
-//           Each stage hands on the same raster, later by its latency. Nothing else stalls, and no
-//           stage knows of blanking.
-// Latency   rectify: T_s pixels; census Reach, match CorrelationWindow / 2, speckle its look-ahead and
-//           a few more rows; see fpga_fw/README.md.
-// Handshake streams with valid and ready at both ends (fs_stream_fifo); registers on a plain bus, the
-//           answer two clocks behind read_i (fs_registers); a configuration takes effect between
-//           two frames, when CONTROL.apply has been written.
+//             sol    first tick of a row, also of a bubble row
+//           Each stage outputs the same raster, delayed by its latency. Nothing else stalls, and no
+//           stage has to handle blanking.
+// Latency   rectify: T_s pixels; census: Reach rows; match: CorrelationWindow / 2 rows; speckle:
+//           its look-ahead and a few more rows; see fpga_fw/README.md.
+// Handshake valid/ready streams at both ends (fs_stream_fifo). Registers are on a plain bus; the
+//           answer comes two clocks after read_i (fs_registers). After a write of CONTROL.apply the
+//           configuration takes effect between two frames.
 // Limits    see the stages.
 module fs_top #(
   parameter int MaxWidth = 640,
@@ -23,10 +24,10 @@ module fs_top #(
   parameter int CensusWindow = 11,
   parameter int CorrelationWindow = 15,
   parameter int CensusFull = 0,
-  parameter int LineRows = 102,    // of the line buffer
-  parameter int MeshNodes = 5120,  // of a mesh
+  parameter int LineRows = 102,    // rows of the line buffer
+  parameter int MeshNodes = 5120,  // nodes of one mesh
   parameter int Primitives = 0,    // 0: behavioural arithmetic, 1: carry chains of the ECP5
-  parameter int MaxFrames = 64,    // in flight; a further one waits
+  parameter int MaxFrames = 64,    // maximum frames in flight; a further one waits
   localparam int Reach = CensusFull != 0 ? CensusWindow / 2 : CensusWindow / 4 * 2,
   localparam int Side = CensusFull != 0 ? CensusWindow : Reach + 1,
   localparam int CensusBits = Side * Side - 1,
@@ -57,15 +58,15 @@ module fs_top #(
   output logic        eof_o,
   output logic        bad_o,
   output logic [15:0] disparity_o,
-  // For a link (fs_link): no tick begins without room_i, no bubble that may wait without bubble_room_i;
-  // what happens at the input, as pulses; the size in effect; the images in front of rectify and
-  // behind it, a clock behind their ticks.
+  // For a link (fs_link). No tick begins without room_i; no bubble that can wait begins without
+  // bubble_room_i. The outputs are pulses for events at the input, the size in effect, and the
+  // images before and after rectify, one clock after their ticks.
   input  logic        room_i,
   input  logic        bubble_room_i,
-  output logic        pending_o,  // a configuration waits
-  output logic        applied_o,  // it has taken effect
+  output logic        pending_o,  // a configuration waits to be applied
+  output logic        applied_o,  // the configuration has taken effect
   output logic        frame_in_o,
-  output logic        cut_frame_o,  // of the frame that began last
+  output logic        cut_frame_o,  // the frame that began last was cut
   output logic        long_frame_o,
   output logic [11:0] width_o,
   output logic [11:0] height_o,
@@ -75,11 +76,11 @@ module fs_top #(
   output logic [7:0]  raw_right_o,
   output logic        rectified_valid_o,
   output logic        rectified_sof_o,
-  output logic        rectified_error_o,  // with the pixel: it is not what the mesh asks for
+  output logic        rectified_error_o,  // the pixel is not the one that the mesh asks for
   output logic [7:0]  rectified_left_o,
   output logic [7:0]  rectified_right_o
 );
-  // The tick for each neighbourhood: how many copies, and where each stage's begin.
+  // Copies of the tick per stage, and the index of each stage's first copy.
   localparam int RectifyCopies = 5, CensusCopies = 5, MatchCopies = 2 + Disparities / 4;
   localparam int SelectCopies = 2 + (Disparities + 15) / 16;
   localparam int CensusAt = RectifyCopies, MatchAt = CensusAt + CensusCopies;
@@ -87,10 +88,10 @@ module fs_top #(
   localparam int SubpixelAt = CheckAt + 1, SpeckleAt = SubpixelAt + 1, OutputAt = SpeckleAt + 1;
   localparam int SignaturesAt = OutputAt + 1;
   logic [SignaturesAt:0] en;
-  logic [fs_pkg::NumStages+1:0] stage_rst_n;  // the stages', the output's, that of the signatures
-  logic first_en, first_rst_n, room;  // a tick; the stages run; there is room behind them
+  logic [fs_pkg::NumStages+1:0] stage_rst_n;  // one per stage, then output, signatures
+  logic first_en, first_rst_n, room;  // tick; stages run; room after the last stage
 
-  // Registers and the configuration in effect. The bus comes from far away: a clock for the way.
+  // Registers and the configuration in effect. The bus comes from far away, so it is registered.
   logic write_q, read_q;
   logic [7:0] address_q;
   logic [31:0] data_q;
@@ -129,8 +130,8 @@ module fs_top #(
     .buffer_right_i(right_error & en[0]), .buffer_frame_i(buffer_frame), .signatures_i(signatures)
   );
 
-  // The settings for the stages: they change only in a reset of the stages, and yet each of their
-  // ways across the chip is one that must be short. Kept, as the copies in fs_enable.
+  // The settings for the stages. They change only while the stages are in reset, but timing
+  // analysis still requires short paths across the chip. Kept, like the copies in fs_enable.
   localparam int SizeRectify = 0, SizeCensus = 1, SizeMatch = 2, SizeSpeckle = 3;
   logic [4*12-1:0] width_q, height_q;
   for (genvar k = 0; k < 4; k++) begin : g_size
@@ -155,7 +156,7 @@ module fs_top #(
     speckle_range_q <= speckle_range;
   end
 
-  // The stream becomes the raster.
+  // From the stream to the raster.
   logic first_valid, first_sof, first_sol;
   logic [7:0] first_left, first_right;
   fs_input #(.MinRows(CorrelationWindow / 2 + 1), .MaxFrames(MaxFrames)) u_input (
@@ -282,7 +283,7 @@ module fs_top #(
     .valid_o(speckle_valid), .sof_o(speckle_sof), .sol_o(speckle_sol), .disparity_o(disparity)
   );
 
-  // The raster becomes the stream.
+  // From the raster to the stream.
   fs_output #(.MaxFrames(MaxFrames), .EnableClocks(2)) u_output (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .stage_rst_ni(stage_rst_n[fs_pkg::NumStages]), .en_i(en[OutputAt]),
@@ -294,7 +295,7 @@ module fs_top #(
     .valid_o, .ready_i, .sof_o, .eol_o, .eof_o, .bad_o, .disparity_o
   );
 
-  // What a link sends besides.
+  // Additional outputs for a link.
   assign pending_o = pending;
   assign applied_o = apply;
   assign frame_in_o = frame_in;
@@ -314,7 +315,7 @@ module fs_top #(
     rectified_right_o <= right;
   end
 
-  // What each stage gave, in a number.
+  // One signature per stage.
   fs_signatures #(
     .Disparities(Disparities), .CensusBits(CensusBits), .SumBits(SumBits)
   ) u_signatures (
