@@ -1,9 +1,9 @@
-// Adder with a choice of its second summand.
+// Adder that selects its second operand.
 //
 // Formula   sum_o = a_i + (select_i ? b_i : c_i) + CarryIn, modulo 2^Bits
-// Schedule  behavioural, or (Primitives 1) the carry chain of the ECP5 written out: a place of it
-//           has a table of four inputs, which take the choice for nothing; synthesis does not find
-//           that by itself. Both are proved equal in fpga_fw/formal.
+// Schedule  Behavioural, or with Primitives 1 an instantiated ECP5 carry chain. Each bit of that
+//           chain has a four-input table, which performs the selection at no cost; synthesis does
+//           not infer this. fpga_fw/formal proves that both are equal.
 // Latency   none.
 module fs_add_select #(
   parameter int Bits = 13,
@@ -20,8 +20,8 @@ module fs_add_select #(
     assign sum_o = a_i + (select_i ? b_i : c_i) + Bits'(CarryIn);
   end else begin : g_ecp5
     localparam int Pairs = (Bits + 1) / 2;
-    // Table of A, B, C, D: A ^ (D ? B : C). Its first four places, C = D = 0, are the carry where
-    // the sum of the summands does not pass one on: A.
+    // Table of A, B, C, D: A ^ (D ? B : C). Its first four entries, C = D = 0, give the carry where
+    // the carry in is not propagated: A.
     localparam logic [15:0] Table = 16'h665A;
     logic [2*Pairs-1:0] a, b, c, sum;
     logic [Pairs:0] carry;

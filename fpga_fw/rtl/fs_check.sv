@@ -1,13 +1,13 @@
-// Which pixels keep their disparity: left-right check and uniqueness check.
+// Decides which pixels keep their disparity: left-right check and uniqueness check.
 //
 // Formula   kept = (x - dL >= 0 and |dR(x - dL) - dL| <= disp12_max_diff, or no left_right_check)
 //              and (256 v2 > uniqueness v1, or no uniqueness_check)
-//           As v2 is an integer, 256 v2 > p is v2 > floor(p / 256).
-// C++ twin  fpga_stereo::check
-// Schedule  tick 1   dR(x) goes into a ring of the last right winners; where in it dR(x - dL) is;
-//                    uniqueness v1
-//           tick 2   dR(x - dL) is read; its bounds, dL -+ disp12_max_diff; v2 is compared
-//           tick 3   dR is compared with the bounds
+//           As v2 is an integer, 256 v2 > p is equivalent to v2 > floor(p / 256).
+// C++ twin  fpga_stereo::check (src/core/check.cpp)
+// Schedule  tick 1   writes dR(x) into a ring of the last right winners; computes the address of
+//                    dR(x - dL) and the product uniqueness v1
+//           tick 2   reads dR(x - dL); computes its bounds, dL -+ disp12_max_diff; compares v2
+//           tick 3   compares dR with the bounds
 // Latency   LatencyRows, LatencyTicks.
 // Handshake the raster (fs_top).
 // Limits    Disparities up to 128, SumBits up to 17 (one 18-bit multiplier).
@@ -50,7 +50,7 @@ module fs_check #(
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
   );
 
-  // Tick 1. The column counts up to the largest dL and stays there.
+  // Tick 1. The column counter saturates at the largest dL.
   logic [DBits-1:0] at_q, from_q, column, next_column_q;
   logic seen1_q;  // x - dL >= 0
   assign column = sol_i ? '0 : next_column_q;
@@ -59,7 +59,7 @@ module fs_check #(
     else if (en_i) at_q <= at_q + 1'b1;
   end
 
-  // Read in tick 2: dL = 0 is then written, and the oldest is not yet written over.
+  // Read in tick 2: by then the word for dL = 0 is written, and the oldest is not yet overwritten.
   (* ram_style = "distributed" *) logic [DBits-1:0] right_winners[0:2**DBits-1];
   logic [DBits-1:0] right_winner_q;
   logic [ProductBits-1:0] product_q;
@@ -97,6 +97,6 @@ module fs_check #(
     end
   end
 
-  logic unused;  // only the signs are
+  logic unused;  // only the signs are used
   assign unused = ^{below_highest[8:0], above_lowest[8:0]};
 endmodule

@@ -2,8 +2,8 @@
 //
 // Formula   count_o = popcount(a_i ^ b_i)
 // Schedule  tick 1  popcounts of parts of 15 bits
-//           tick 2  sums of two parts each, where there are more than two
-//           last    their sum
+//           tick 2  sums of two parts each, if there are more than two
+//           last    sum of all
 // Latency   2 ticks; 3 for more than 30 bits (LongBits).
 module fs_hamming #(
   parameter int Bits = 24,

@@ -1,18 +1,18 @@
-// Matching costs: Hamming distances summed over the correlation window, all disparities at once.
+// Matching cost: sums Hamming distances over the correlation window, for all disparities at once.
 //
 // Formula   h(x, y, d) = popcount(CL(x, y) ^ CR(x - d, y)), half of the bits where x - d < 0
-//           S(x, y, d) = sum of h over CorrelationWindow squared, outside the image 0
+//           S(x, y, d) = sum of h over CorrelationWindow squared, 0 outside the image
 // C++ twin  Match in src/core/match.cpp
-// Schedule  per disparity a lane (fs_match_lane) that never recomputes a window: of each column the
-//           running sum over its rows gains the row that enters and loses the row that leaves;
-//           a running sum along the row gives the window. Column sums wait a row in block RAM.
-//           The ticks below are those of up to 30 census bits; with more, all from tick 4 on are
-//           one later. Tick 2 sets the left bits and the right bits of d pixels earlier side by
-//           side, then the lane's ticks follow. What goes to all lanes has a copy for every Group of
-//           them: no flip-flop drives more than those.
+// Schedule  Each disparity has a lane (fs_match_lane) that never recomputes a window: the running
+//           sum of each column gains the row that enters and loses the row that leaves; a running
+//           sum along the row gives the window sum. Column sums are kept for a row in block RAM.
+//           The ticks below are for up to 30 census bits; with more, everything from tick 4 on is
+//           one tick later. Tick 2 pairs the left bits with the right bits of d pixels earlier;
+//           then the lane's ticks follow. Signals that all lanes use have a copy for every Group of
+//           lanes, so that no flip-flop drives more than that.
 //           Frames without a gap: while the last rows of a frame still leave the sums, the first
-//           rows of the next enter a second sum of their own, and are taken over from it when the
-//           window's centre has come to row 0.
+//           rows of the next frame enter a second, separate sum. When the window's centre reaches
+//           row 0, the column sum is taken from that second sum.
 // Latency   LatencyRows, LatencyTicks.
 // Handshake the raster (fs_top).
 // Limits    width_i >= max(16, CorrelationWindow + 1); frames start at least
@@ -23,7 +23,7 @@ module fs_match #(
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
   parameter int Primitives = 0,  // 0 behavioural, 1 ECP5
-  parameter int Copies = 1,      // of the tick: flags, column sums, then every four lanes
+  parameter int Copies = 1,      // of the tick: flags, column sums, then one per four lanes
   localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1)
 ) (
   input  logic                           clk_i,
@@ -45,7 +45,7 @@ module fs_match #(
 );
   localparam int Radius = CorrelationWindow / 2;
   localparam int LatencyRows = Radius;
-  localparam int Long = CensusBits > 30 ? 1 : 0;  // fs_hamming takes a tick more: all behind it, too
+  localparam int Long = CensusBits > 30 ? 1 : 0;  // fs_hamming takes one tick more
   localparam int LatencyTicks = Radius + 9 + Long;
   localparam int Group = 8;
   localparam int Groups = (Disparities + Group - 1) / Group;
@@ -56,7 +56,7 @@ module fs_match #(
   if (Disparities < 16 || Disparities > 128 || Disparities % 4 != 0)
     initial $fatal(1, "fs_match: Disparities is %0d, allowed: 16, 20, .. 128", Disparities);
 
-  // Tick 1: as they come. Tick 2: lane d sees the left pixel x and the right pixel x - d.
+  // Tick 1: inputs registered. Tick 2: lane d sees the left pixel x and the right pixel x - d.
   logic [2*CensusBits-1:0] left_q, right_q;  // {leave, enter}
   logic sol_1_q;
   logic [2*CensusBits*Disparities-1:0] lane_right_q;
@@ -78,7 +78,7 @@ module fs_match #(
     end
   end
 
-  // What the row that enters is to its frame, and where the window's centre stands, at tick 2.
+  // Tags of the entering row and position of the window's centre, at tick 2.
   logic enter_valid, enter_sof, sol, centre_valid, centre_sof, unused_sol;
   fs_raster_delay #(.Rows(0), .Ticks(1 + Long)) u_enter (
     .clk_i, .rst_ni, .en_i(en_i[0]), .valid_i, .sof_i, .sol_i,
@@ -101,7 +101,7 @@ module fs_match #(
   assign unused = ^{unused_sol, unused_x, unused_y, lane_right};
   logic enter_valid_q, enter_sof_q, sol_q;
   logic [11:0] x_q, centre_y_q;
-  logic [11:0] last_x_q, rows_below_q;  // of the settings: the centre has more rows than Radius below
+  logic [11:0] last_x_q, rows_below_q;  // rows_below_q: centre rows with enough rows below
   always_ff @(posedge clk_i) begin
     last_x_q <= width_i - 12'd1;
     rows_below_q <= height_i > 12'(Radius) ? height_i - 12'(Radius) : '0;
@@ -114,10 +114,10 @@ module fs_match #(
     end
   end
 
-  // Row flags, constant over a row: tick 3; the lanes have them at tick 4, those for the sums at 5.
+  // Row flags, constant over a row: tick 3. The lanes get them at tick 4, those of the sums at 5.
   logic fresh_q;                          // a row of a frame enters
-  logic enters_q;                         // the entering row is of the centre's frame
-  logic leaves_q;                         // so is the leaving row
+  logic enters_q;                         // the entering row belongs to the centre's frame
+  logic leaves_q;                         // so does the leaving row
   logic fresh_row0_q, fresh_row0_4_q;     // row 0 of a frame enters
   logic centre_row0_q, centre_row0_4_q;   // the centre is in row 0
   always_ff @(posedge clk_i) begin
@@ -132,8 +132,8 @@ module fs_match #(
     end
   end
 
-  // Column flags of the running sum along the row: tick 6 (first: 7), in the lanes a tick later; x
-  // is the column that enters it.
+  // Column flags of the running sum along the row: tick 6 (first: 7), in the lanes a tick later.
+  // x is the column that enters the sum.
   logic [11:0] x3_q, x4_q, x5_q;
   logic row_end_q, first_q, first_7_q, last_q;
   always_ff @(posedge clk_i) begin
@@ -142,19 +142,20 @@ module fs_match #(
       x4_q <= x3_q;
       x5_q <= x4_q;
       row_end_q <= x5_q == last_x_q;
-      // The centre x - Radius: the window sticks out on the left, or on the right (next row's x).
+      // The centre is x - Radius: the window extends past the left edge, or past the right edge
+      // (then x is already in the next row).
       first_q <= x5_q >= 12'(Radius) && x5_q <= 12'(2 * Radius);
       first_7_q <= first_q;
       last_q <= x5_q < 12'(Radius);
     end
   end
 
-  // For each group of lanes: the left bits, tick 2; the flags, a tick later than above.
+  // Per group of lanes: the left bits at tick 2; the flags one tick later than above.
   logic [2*CensusBits*Groups-1:0] group_left_q;
   logic [8*Groups-1:0] group_flags_q;
   logic [PlaceBits*Groups-1:0] group_place_q;  // in the lanes' rings
   for (genvar g = 0; g < Groups; g++) begin : g_group
-    // Kept, for synthesis would find them equal and leave one of them.
+    // Kept: synthesis would otherwise merge the equal registers.
     (* keep *) always_ff @(posedge clk_i) begin
       if (en_i[(2+g*Group/4)%Copies]) begin
         group_left_q[2*CensusBits*g+:2*CensusBits] <= left_q;
@@ -203,7 +204,7 @@ module fs_match #(
     );
   end
 
-  // A row of sums, less the tick from a sum's read to its write.
+  // Delays the sums by a row, minus the tick from reading a sum to writing it.
   fs_line_delay #(
     .Bits(Disparities * (ColumnBits + FreshBits)), .MaxLength(MaxWidth)
   ) u_columns (

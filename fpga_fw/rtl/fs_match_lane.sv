@@ -2,15 +2,17 @@
 //
 // Schedule  the vectors at the inputs are those of tick 2 of fs_match:
 //             ticks 3, 4  Hamming distances of the entering and of the leaving row (with more than
-//                         30 bits they take a tick more, and all else comes a tick later)
-//             tick 5      what changes in the column
-//             tick 6      column sum (column_new_o), and the sum of a frame's first rows alone
+//                         30 bits they take one tick more, and everything after is one tick later)
+//             tick 5      change of the column sum
+//             tick 6      column sum (column_new_o) and the separate sum of a frame's first rows
 //                         (fresh_new_o); both come back as .._old_i a row later, at tick 5
-//             tick 7      running sum along the rows, never reset, modulo its width; kept as its
-//                         complement, which makes the last step an addition
-//             tick 8      its value at the window's right end, held at the end of the row
-//             tick 9      window sum: less the value before its left end, held at the row's start;
-//                         that value waits in a ring of LUT RAM
+//             tick 7      running sum along the rows, never reset, modulo its width; stored as its
+//                         complement, which turns the last step into an addition
+//             tick 8      its value at the window's right end; beyond the end of the row, the value
+//                         held there
+//             tick 9      window sum: subtracts the value before the window's left end; before the
+//                         start of the row, the value held there. The earlier values are kept in a
+//                         ring of LUT RAM
 module fs_match_lane #(
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
@@ -29,18 +31,18 @@ module fs_match_lane #(
   input  logic [CensusBits-1:0] leave_right_i,
   input  logic                  seen_i,         // tick 2: the right pixel is in the image
   input  logic                  fresh_i,        // tick 4: a row of a frame enters
-  input  logic                  fresh_row0_i,   // tick 5: row 0 of a frame does
-  input  logic                  enters_i,       // tick 4: .. of the frame of the window's centre
+  input  logic                  fresh_row0_i,   // tick 5: row 0 of a frame enters
+  input  logic                  enters_i,       // tick 4: a row of the centre's frame enters
   input  logic                  leaves_i,       // tick 4: a row of that frame leaves
   input  logic                  centre_row0_i,  // tick 5: the window's centre is in row 0
   input  logic [ColumnBits-1:0] column_old_i,   // tick 5
   output logic [ColumnBits-1:0] column_new_o,   // tick 6
   input  logic [FreshBits-1:0]  fresh_old_i,    // tick 5
   output logic [FreshBits-1:0]  fresh_new_o,    // tick 6
-  input  logic [PlaceBits-1:0]  place_i,        // in turn 0 .. CorrelationWindow - 1
+  input  logic [PlaceBits-1:0]  place_i,        // counts 0 .. CorrelationWindow - 1
   input  logic                  row_end_i,      // tick 7: last column of the row
-  input  logic                  first_i,        // tick 8: the window begins left of the image
-  input  logic                  last_i,         // tick 7: the window ends right of the image
+  input  logic                  first_i,        // tick 8: the window extends past the left edge
+  input  logic                  last_i,         // tick 7: the window extends past the right edge
   output logic [SumBits-1:0]    sum_o           // tick 9
 );
   localparam int CountBits = $clog2(CensusBits + 1);
@@ -71,9 +73,9 @@ module fs_match_lane #(
     .select_i(!fresh_row0_i), .sum_o(fresh)
   );
 
-  // The running sum's complement, n = -1 - sum: so sum(high) - sum(low) = n(low) - n(high).
+  // The complement of the running sum, n = -1 - sum: so sum(high) - sum(low) = n(low) - n(high).
   logic [SumBits-1:0] running_q, row_end_q, not_high_q, sum;
-  logic [SumBits-1:0] before_q;  // running_q of CorrelationWindow + 1 ticks before
+  logic [SumBits-1:0] before_q;  // running_q, CorrelationWindow + 1 ticks earlier
   (* ram_style = "distributed" *) logic [SumBits-1:0] ring[0:CorrelationWindow-1];
   fs_add_select #(.Bits(SumBits), .CarryIn(1), .Primitives(Primitives)) u_sum (
     .a_i(not_high_q), .b_i(row_end_q), .c_i(before_q),

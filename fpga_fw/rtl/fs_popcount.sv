@@ -1,4 +1,4 @@
-// Bits set in a vector, as a tree of full adders: two halves and one bit as carry in.
+// Counts the bits set in a vector with a tree of full adders: two halves, and one bit as carry in.
 //
 // Formula   count_o = popcount(bits_i)
 // Latency   none.
@@ -20,7 +20,7 @@ module fs_popcount #(
     logic [$clog2(High+1)-1:0] high;
     fs_popcount #(.Bits(Low)) u_low (.bits_i(bits_i[Low-1:0]), .count_o(low));
     fs_popcount #(.Bits(High)) u_high (.bits_i(bits_i[Low+High-1:Low]), .count_o(high));
-    // Written out, so that LUTs take it and no carry chain of two bits.
+    // Written out so that it maps to LUTs and not to a carry chain of two bits.
     logic [CountBits-1:0] a, b;
     assign a = CountBits'(low);
     assign b = CountBits'(high);

@@ -1,24 +1,25 @@
-// The register file: configuration in two copies, meshes' upload, errors, counters, signatures.
+// The register file: configuration (shadow and in effect), mesh upload, errors, counters,
+// signatures.
 //
-// Formula   fpga_fw/spec/registers.md, generated from spec.yaml with fs_pkg.
+// Formula   fpga_fw/spec/registers.md, generated from spec.yaml together with fs_pkg.
 // C++ twin  fpga_stereo/core/spec.hpp (addresses, fields, reset values)
 // Schedule  write_i  the register has its value in the next clock
 //           read_i   read_valid_o and data_o in the next clock
-//           apply    CONTROL.apply starts a check of the shadow's ranges; in the clock behind it
-//                    pending_o goes high, or ERRORS.config does and nothing else changes. When
-//                    fs_input answers with apply_i, in that clock the whole shadow is copied.
-//                    What takes effect is what the shadow was at CONTROL.apply: writing to the
-//                    shadow or to a mesh withdraws an apply that still waits; CONTROL.apply must
-//                    then be written again.
+//           apply    CONTROL.apply starts a range check of the shadow. In the clock after the check
+//                    either pending_o goes high, or ERRORS.config is set and nothing else changes.
+//                    When fs_input answers with apply_i, the whole shadow is copied in that clock.
+//                    The shadow takes effect as it was at CONTROL.apply: a write to the shadow or
+//                    to a mesh withdraws an apply that still waits; CONTROL.apply must then be
+//                    written again.
 //           meshes   MESH_DATA gives one clock of mesh_we_o, for the bank that is not bank_o. Both
 //                    cameras change banks together, at an apply, if a node was written since the
-//                    last one: so each upload must be complete, and for both cameras.
+//                    last one. An upload must therefore be complete, and include both cameras.
 // Latency   1 clock.
-// Handshake none: write_i and read_i are taken in every clock, also both together.
+// Handshake none: write_i and read_i are accepted in every clock, also together.
 // Limits    out of range: WIDTH below the smallest that the stages allow or above MaxWidth, HEIGHT
 //           0 or above GatewareMaxHeight, READ_START.pixels not below WIDTH, READ_START.rows not
-//           below LineRows. Nodes from MeshNodes on are not written. An event in the clock that
-//           clears its counter or error counts.
+//           below LineRows. Nodes from MeshNodes on are not written. An event in the same clock as
+//           the clearing of its counter or error is counted.
 module fs_registers #(
   parameter int MaxWidth = 640,
   parameter int Disparities = 64,
@@ -50,7 +51,7 @@ module fs_registers #(
   output logic [9:0]                     uniqueness_o,
   output logic [9:0]                     speckle_size_o,
   output logic [9:0]                     speckle_range_o,
-  // When it changes: to and from fs_input.
+  // Handshake with fs_input for a change of the configuration.
   output logic                           pending_o,
   input  logic                           apply_i,
   // Meshes.
@@ -59,7 +60,7 @@ module fs_registers #(
   output logic [NodeBits-1:0]            mesh_node_o,
   output logic [31:0]                    mesh_data_o,
   output logic                           bank_o,
-  // What there is to tell. Pulses, but for busy_i, buffer_left_i, buffer_right_i, signatures_i.
+  // Events: pulses, except for busy_i, buffer_left_i, buffer_right_i, signatures_i.
   input  logic                           busy_i,
   input  logic                           frame_in_i,
   input  logic                           frame_out_i,
@@ -70,7 +71,7 @@ module fs_registers #(
   input  logic                           buffer_frame_i,
   input  logic [32*fs_pkg::NumStages-1:0] signatures_i
 );
-  // The running sum of match takes wider images than the window.
+  // The running sum of match needs an image that is wider than the window.
   localparam int MinWidth = CorrelationWindow + 1 > fs_pkg::GatewareMinWidth ?
                             CorrelationWindow + 1 : fs_pkg::GatewareMinWidth;
   localparam int ResetWidth = MaxWidth < fs_pkg::RegWidthReset ? MaxWidth : fs_pkg::RegWidthReset;
@@ -87,7 +88,7 @@ module fs_registers #(
   if (MeshNodes < 2 || MeshNodes > 65536)
     initial $fatal(1, "fs_registers: MeshNodes is %0d, allowed: 2 to 65536", MeshNodes);
 
-  // The groups of up to eight begin at multiples of eight, so that no address is subtracted.
+  // The groups of up to eight registers begin at multiples of eight, so no address is subtracted.
   if (fs_pkg::RegWidth % 8 != 0 || fs_pkg::RegFramesIn % 8 != 0 ||
       fs_pkg::RegSignatureRectify % 8 != 0)
     initial $fatal(1, "fs_registers: a group of registers does not begin at a multiple of 8");
@@ -103,8 +104,8 @@ module fs_registers #(
   assign clear = write_control & data_i[fs_pkg::ControlClearLsb];
   assign write_mesh = write_i & address_i == fs_pkg::RegMeshData;
 
-  // The shadow and the configuration in effect: registers of 32 bits side by side, from RegWidth
-  // on; bits in no field stay 0. Where each field begins:
+  // The shadow and the configuration in effect: 32-bit registers side by side, from RegWidth on;
+  // bits outside all fields stay 0. First bit of each field:
   localparam int Words = 8;
   localparam int Bits = 32 * Words;
   localparam int Base = 32'(fs_pkg::RegWidth);
@@ -153,7 +154,7 @@ module fs_registers #(
     end
   end
 
-  // The range check sees the shadow one clock late, and is asked one clock after CONTROL.apply.
+  // The range check sees the shadow one clock late; it is evaluated one clock after CONTROL.apply.
   logic [11:0] width, height, read_pixels;
   logic [7:0] read_rows;
   assign width = shadow_q[Width+:12];
@@ -270,7 +271,7 @@ module fs_registers #(
 
   // Reading.
   logic [31:0] value;
-  logic [32*8-1:0] counters, signatures;  // up to whole groups
+  logic [32*8-1:0] counters, signatures;  // padded to whole groups
   assign counters = (32 * 8)'(counters_q);
   assign signatures = (32 * 8)'(signatures_i);
   always_comb begin

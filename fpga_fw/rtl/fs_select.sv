@@ -1,24 +1,25 @@
-// Winner takes all: the best disparity of every left and of every right pixel, the left winner's
-// neighbours and its rival.
+// Winner takes all: selects the best disparity of every left and every right pixel, the sums around
+// the left winner, and the runner-up's sum.
 //
 // Formula   dL = the d with the smallest S(x, y, d); v1 its sum; the lowest such d
 //           dR = the d with the smallest S(x + d, y, d), x + d < W; the lowest such d
 //           v2 = the smallest S(x, y, d), d other than dL-1, dL, dL+1
 //           C(k) = S(x, y, dL + k), k = -2..2, k = -2 in the lowest bits; 0 where dL + k is not in
 //           0..D-1
-// C++ twin  fpga_stereo::select
-// Schedule  left   ticks 1..6: winner and C (fs_select_left); 5..10: rival (fs_select_runner_up)
-//           right  a right pixel has seen all of its sums Disparities - 1 ticks after it came
-//                  (fs_select_right); that sets the latency
-//           So what is known of the left pixel waits in two memories of 36-bit words, from tick 6
-//           (winner, four of C, tags) and from tick 10 (v1 = C(0), v2) on.
+// C++ twin  fpga_stereo::select (src/core/select.cpp)
+// Schedule  left   ticks 1..6: winner and C (fs_select_left); 5..10: runner-up
+//                  (fs_select_runner_up)
+//           right  all sums of a right pixel have been compared Disparities - 1 ticks after the
+//                  pixel came (fs_select_right); this determines the latency
+//           The results of the left pixel therefore wait in two memories of 36-bit words, from
+//           tick 6 (winner, four of C, tags) and from tick 10 (v1 = C(0), v2) on.
 // Latency   LatencyRows, LatencyTicks.
 // Handshake the raster (fs_top).
 // Limits    Disparities 16, 20, .. 128. Any width.
 module fs_select #(
   parameter int Disparities = 64,
   parameter int SumBits = 13,
-  parameter int Copies = 1,  // of the tick: rival and memories, right, then the left's
+  parameter int Copies = 1,  // of the tick: runner-up and memories, right, then left
   localparam int DBits = $clog2(Disparities)
 ) (
   input  logic                           clk_i,
@@ -45,7 +46,7 @@ module fs_select #(
   if (Disparities < 16 || Disparities > 128 || Disparities % 4 != 0)
     initial $fatal(1, "fs_select: Disparities is %0d, allowed: 16, 20, .. 128", Disparities);
 
-  // Left: tick 6 and tick 10.
+  // Left: results at tick 6 and tick 10.
   logic [Disparities*S-1:0] sums_q;  // tick 1
   logic [DBits-1:0] winner;
   logic [5*S-1:0] around;
@@ -68,7 +69,7 @@ module fs_select #(
     .runner_up_sum_o(runner_up_sum)
   );
 
-  // Right: tick LatencyTicks.
+  // Right: result at tick LatencyTicks.
   fs_select_right #(.Disparities(Disparities), .SumBits(S)) u_right (
     .clk_i, .en_i(en_i[1%Copies]), .begins_i(sol_i), .sums_i(sums_q), .right_winner_o
   );
@@ -89,7 +90,7 @@ module fs_select #(
     end
   end
 
-  // The memories: written so far ahead of the reading that their output register is loaded in tick
+  // The memories. Writes are so far ahead of reads that the output register is loaded in tick
   // LatencyTicks.
   localparam int Ahead6 = LatencyTicks - 6 - 2;
   localparam int Ahead10 = LatencyTicks - 10 - 2;
@@ -100,7 +101,7 @@ module fs_select #(
   (* no_rw_check *) logic [Bits10-1:0] memory10[0:2**DBits-1];
   logic [Bits6-1:0] read6_q;
   logic [Bits10-1:0] read10_q;
-  logic filled_q;  // what is read was written after the reset
+  logic filled_q;  // the word read was written after the reset
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       read_at_q <= '0;

@@ -1,23 +1,23 @@
-// The left winner, its neighbours, and what the search for its rival needs.
+// Finds the left winner and its neighbours, and prepares the search for the runner-up.
 //
 // Formula   dL = the d with the smallest S(d), the lowest such d
 //           C(k) = S(dL + k), k = -2..2; 0 where dL + k is not in 0..Disparities-1
-// C++ twin  fpga_stereo::select, winner and around
+// C++ twin  fpga_stereo::select (src/core/select.cpp), winner and around
 // Schedule  tick 1   pairs of disparities: the smaller sum
 //           tick 2   quads (four disparities): the smallest sum
-//           tick 3   segments (four quads): each two compared, the smallest picked
-//           tick 4   all segments, each two compared: the winner, known as the controls of tick 5
-//           tick 5   window: the two quads that hold dL-2..dL+2, picked from the sums of tick 0
+//           tick 3   segments (four quads): all pairs compared, the smallest selected
+//           tick 4   all segments, all pairs compared: the winner, as select signals for tick 5
+//           tick 5   window: the two quads that hold dL-2..dL+2, selected from the sums of tick 0
 //           tick 6   C: five of the eight sums of the window
-//           The fewer ticks until the winner is known, the fewer times all of the sums must be
-//           registered: hence four-way comparisons in ticks 3 and 4.
-//           The window begins at disparity 4 k, k = floor((dL - 2) / 4) = -1..D/4-1; it reaches
+//           All sums must be registered in every tick until the winner is known. Four-way
+//           comparisons in ticks 3 and 4 keep these ticks few.
+//           The window begins at disparity 4 k, k = floor((dL - 2) / 4) = -1..D/4-1; it extends
 //           below the range for k = -1 and above it for k = D/4-1.
 // Latency   see the ports.
 module fs_select_left #(
   parameter int Disparities = 64,
   parameter int SumBits = 13,
-  parameter int Copies = 1,  // of the tick, for the sums in turn
+  parameter int Copies = 1,  // of the tick, distributed over the sums
   localparam int DBits = $clog2(Disparities),
   localparam int Segments = (Disparities + 15) / 16
 ) (
@@ -27,19 +27,19 @@ module fs_select_left #(
   output logic [Disparities*SumBits-1:0] sums_o,       // tick 1
   output logic [DBits-1:0]               winner_o,     // tick 6
   output logic [5*SumBits-1:0]           around_o,     // tick 6
-  // For the rival.
+  // For the runner-up.
   output logic [4*Segments*SumBits-1:0]  quads_o,      // tick 4: smallest sum of each quad
   output logic [6*Segments-1:0]          below_o,      // tick 4: their order, see fs_select_order
-  output logic [4*Segments-1:0]          in_window_o,  // tick 4: quads that are in the window
+  output logic [4*Segments-1:0]          in_window_o,  // tick 4: quads inside the window
   output logic [8*SumBits-1:0]           window_o,     // tick 5
-  output logic [1:0]                     begin_o,      // tick 5: where in it dL-2 is
-  output logic                           low_out_o,    // tick 5: its first quad is no quad
-  output logic                           high_out_o    // tick 5: its second quad is no quad
+  output logic [1:0]                     begin_o,      // tick 5: position of dL-2 in the window
+  output logic                           low_out_o,    // tick 5: its first quad is below the range
+  output logic                           high_out_o    // tick 5: its second quad is above the range
 );
   localparam int Quads = Disparities / 4;
   localparam int S = SumBits;
 
-  // The sums, until the winner is known.
+  // The sums, delayed until the winner is known.
   logic [Disparities*S-1:0] sums2_q, sums3_q, sums4_q;
   for (genvar i = 0; i < Quads; i++) begin : g_sums
     always_ff @(posedge clk_i) begin
@@ -52,9 +52,9 @@ module fs_select_left #(
     end
   end
 
-  // Tick 1. The smaller sum itself need not be registered: the sums are.
-  logic [2*Quads-1:0] pair_at_q;  // the second of the two
-  logic [2*Quads*S-1:0] pair;     // tick 2: its sum
+  // Tick 1. The smaller sum is not registered: the sums themselves are.
+  logic [2*Quads-1:0] pair_at_q;  // the second of the two is smaller
+  logic [2*Quads*S-1:0] pair;     // tick 2: the smaller sum
   for (genvar i = 0; i < 2 * Quads; i++) begin : g_pair
     logic second;
     fs_select_less #(.Bits(S)) u_less (
@@ -89,7 +89,7 @@ module fs_select_left #(
     end
   end
 
-  // Tick 3. A quad's candidate: its sum and which of its four disparities that is.
+  // Tick 3. Candidate of a quad: its smallest sum, and which of its four disparities has it.
   localparam int Bits = S + 2;
   logic [4*Segments*S-1:0] quad3_q;
   logic [6*Segments-1:0] below, below3_q;
@@ -107,7 +107,7 @@ module fs_select_left #(
       end
     end
     logic low, high, half;
-    // Kept, or else synthesis saves some of these LUTs by a longer path.
+    // Kept: synthesis would otherwise save some of these LUTs by a longer path.
     (* keep *) logic [Bits-1:0] low_candidate, high_candidate;
     fs_select_order u_order (
       .below_i(below[6*s+:6]), .masked_i(4'b0), .low_o(low), .high_o(high), .half_o(half)
@@ -122,8 +122,9 @@ module fs_select_left #(
     end
   end
 
-  // Tick 4. Of each segment the two quads that the window holds if its candidate wins; bit 0 is the
-  // quad before the segment, bit 5 the one behind. Kept, so that they are ready when `wins` is.
+  // Tick 4. Per segment, the two quads that the window holds if the segment's candidate wins: bit 0
+  // is the quad before the segment, bit 5 the quad after it. Kept, so that `holds` is ready when
+  // `wins` is.
   (* keep *) logic [6*Segments-1:0] holds;
   localparam int Last = Segments - 1;
   localparam int Above = (Quads - 1) % 4 + 2;  // the bit of `holds` for the quad above the range
@@ -147,7 +148,7 @@ module fs_select_left #(
     assign wins[s] = &beats;
     assign holds[6*s+:6] = (segment_at_q[4*s+1] ? 6'd6 : 6'd3) << segment_at_q[4*s+2+:2];
   end
-  logic unused;  // a single segment has none to beat
+  logic unused;  // a single segment has no other to beat
   assign unused = ^segment_q;
   always_comb begin
     for (int s = 0; s < Segments; s++) begin
@@ -170,10 +171,10 @@ module fs_select_left #(
     end
   end
 
-  // Tick 5. The first quad of the window is quad 0, 1, 2 or 3 of a segment if the window holds
-  // quads 1, 2, 3 of it thus: 100, 110, 011, 001; the second quad likewise by quads 0, 1, 2. These
-  // are the controls of fs_select_pick. A quad out of range is picked from no segment: 0.
-  logic [16*Segments*S-1:0] sums4;  // up to whole segments
+  // Tick 5. The first quad of the window is quad 0, 1, 2 or 3 of a segment if in_window_o of quads
+  // 1, 2, 3 of that segment is 100, 110, 011 or 001; the second quad likewise by quads 0, 1, 2.
+  // These are the controls of fs_select_pick. A quad out of range is in no segment: result 0.
+  logic [16*Segments*S-1:0] sums4;  // padded to whole segments
   logic [4*Segments*S-1:0] firsts, seconds;
   logic [4*S-1:0] first, second, first_q, second_q;
   logic [DBits-1:0] winner, winner_q;

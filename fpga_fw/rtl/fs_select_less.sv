@@ -1,5 +1,5 @@
-// Whether a < b, in one carry chain. One bit longer than the words: the borrow then leaves the
-// chain as a sum bit, without another LUT. No register.
+// Compares a < b in one carry chain. The chain is one bit longer than the words, so that the borrow
+// leaves it as a sum bit, without another LUT. No register.
 module fs_select_less #(
   parameter int Bits = 13
 ) (

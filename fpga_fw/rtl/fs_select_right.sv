@@ -1,18 +1,18 @@
-// The right winner: the best disparity of every pixel of the right image, from the diagonals of the
-// same sums (Fig. 6 of the paper).
+// Finds the right winner: the best disparity of every pixel of the right image, along the diagonals
+// of the same sums (Fig. 6 of the paper).
 //
 // Formula   dR(xr, y) = the d with the smallest S(xr + d, y, d), xr + d < W; the lowest such d
-// C++ twin  fpga_stereo::select, right_winner
-// Schedule  a systolic chain: lane d holds the best of right pixel x - d so far.
+// C++ twin  fpga_stereo::select (src/core/select.cpp), right_winner
+// Schedule  A systolic chain: lane d holds the best sum so far of right pixel x - d.
 //             tick x:  best(d) = S(x, d) if that is less than best(d - 1), else best(d - 1)
-//           Lane 0 takes a new right pixel each tick. In the first ticks of a row the lanes d > x
-//           hold pixels from the end of the row before, which have seen all of their sums: they
-//           pass unchanged. So rows need no gap between them.
-// Latency   sums_i (x, d) are compared at once; right_winner_o is that of the pixel that was x
+//           Lane 0 takes a new right pixel each tick. In the first ticks of a row, the lanes d > x
+//           hold pixels from the end of the previous row. Their search is complete, so they pass
+//           unchanged, and rows need no gap between them.
+// Latency   sums_i (x, d) are compared at once; right_winner_o belongs to the pixel that was x
 //           Disparities ticks ago.
 // Handshake begins_i comes one tick before the first sums of a row.
-// Limits    none: whatever the chain holds after a reset or from bubbles leaves as the right winner
-//           of such a tick.
+// Limits    none. After a reset, and for bubble rows, the output is arbitrary; its ticks are not
+//           valid.
 module fs_select_right #(
   parameter int Disparities = 64,
   parameter int SumBits = 13,
@@ -24,8 +24,8 @@ module fs_select_right #(
   input  logic [Disparities*SumBits-1:0] sums_i,
   output logic [DBits-1:0]               right_winner_o
 );
-  // Lanes that this row has reached: d <= x. Set and reset of flip-flops take no LUT; they are
-  // written with en_i since they go before the clock enable.
+  // Lanes that this row has reached: d <= x. Synchronous set and reset of flip-flops cost no LUT;
+  // they include en_i because they have priority over the clock enable.
   logic [Disparities-1:0] reached_q;
   always_ff @(posedge clk_i) begin
     if (en_i && begins_i) reached_q <= Disparities'(1);
@@ -40,7 +40,8 @@ module fs_select_right #(
   assign winner[0+:DBits] = '0;
 
   for (genvar d = 1; d < Disparities; d++) begin : g_lane
-    // No more bits than d needs: synthesis finds the others to be 0 only lane by lane, for minutes.
+    // Only as many bits as d needs: synthesis would take minutes to find, lane by lane, that the
+    // others are 0.
     localparam int LaneBits = $clog2(d + 1);
     logic less, better;
     logic [LaneBits-1:0] winner_q;

@@ -1,9 +1,9 @@
-// The rival: the smallest sum but for the winner and its two neighbours.
+// Finds the runner-up: the smallest sum except for the winner and its two neighbours.
 //
 // Formula   v2 = the smallest S(d), d other than dL-1, dL, dL+1
-// C++ twin  fpga_stereo::select, runner_up_sum
-// Schedule  the two quads of the window (fs_select_left) hold dL-2..dL+2, so v2 is the least of all
-//           other quads and of the five sums of the window that are not exempt:
+// C++ twin  fpga_stereo::select (src/core/select.cpp), runner_up_sum
+// Schedule  The two quads of the window (fs_select_left) hold dL-2..dL+2, so v2 is the smallest of
+//           all other quads and of the five sums of the window that are not exempt:
 //
 //             dL-2 at    the five
 //             0          0 4 5 6 7
@@ -11,14 +11,14 @@
 //             2          0 1 2 6 7
 //             3          0 1 2 3 7
 //
-//           tick 5   others: the least quad of each segment, from comparisons made for the winner
+//           tick 5   others: the smallest quad of each segment, by the comparisons for the winner
 //           tick 6   others: its sum                        window: the five
-//           tick 7   others: least of two segments          window: {0, 1 or 4}, {3 or 6, 7}
+//           tick 7   others: smallest of two segments       window: {0, 1 or 4}, {3 or 6, 7}
 //           tick 8   others: of four                        window: both
 //           tick 9   others: of eight                       window: with 2 or 5
-//           tick 10  the lesser of others and window
-//           A quad of the window that is out of range does not count. One of the two is in range.
-//           Every segment keeps a quad, since quads above the range have the largest sum.
+//           tick 10  the smaller of others and window
+//           A quad of the window that is out of range does not count. At least one of the two is in
+//           range. Every segment has a quad left, as quads above the range have the largest sum.
 // Latency   10 ticks from the sums of match, 6 from the inputs of tick 4.
 module fs_select_runner_up #(
   parameter int Segments = 4,
@@ -59,11 +59,11 @@ module fs_select_runner_up #(
   end
   always_ff @(posedge clk_i) if (en_i) quads5_q <= quads_i;
 
-  // Others, ticks 6 to 9: three levels for eight segments, whatever their number. Node n is the
-  // lesser of nodes 2 n and 2 n + 1; nodes 8 to 15 are the segments.
+  // Others, ticks 6 to 9: always three levels, for up to eight segments. Node n is the smaller of
+  // nodes 2 n and 2 n + 1; nodes 8 to 15 are the segments.
   logic [16*S-1:S] node;
   for (genvar n = 1; n < 16; n++) begin : g_node
-    // The leaves below: a node without any is left out, one with one side passes it.
+    // Leaves below the node. A node without leaves is constant; with one side it passes that side.
     localparam int Leaves = n >= 8 ? 1 : n >= 4 ? 2 : n >= 2 ? 4 : 8;
     localparam int First = n * Leaves - 8;
     localparam int Second = First + Leaves / 2;
@@ -87,10 +87,10 @@ module fs_select_runner_up #(
     end
   end
 
-  logic unused;  // nodes above no segment
+  logic unused;  // nodes without a segment
   assign unused = ^node;
 
-  // Window, tick 6. Of the five, those in the first quad: as many as `begin` says, and one more.
+  // Window, tick 6. The five sums: begin_i + 1 of them come from the first quad.
   logic [S-1:0] word0_q, word14_q, word25_q, word36_q, word7_q;
   logic word14_out_q, word36_out_q, low_out_q, high_out_q;
   always_ff @(posedge clk_i) begin
@@ -102,14 +102,14 @@ module fs_select_runner_up #(
       word7_q <= window_i[7*S+:S];
       low_out_q <= low_out_i;
       high_out_q <= high_out_i;
-      // Out of range is the first quad for begin 2 and 3, the second for 0 and 1: words 2 or 5 are
-      // whenever either is, the other two on the same side only here.
+      // The first quad can be out of range for begin 2 and 3, the second for 0 and 1. Word 2 or 5
+      // is out of range whenever either quad is; the other two only in these cases.
       word14_out_q <= high_out_i && begin_i == 2'd0;
       word36_out_q <= low_out_i && begin_i == 2'd3;
     end
   end
 
-  // Window, ticks 7 to 9, and the end.
+  // Window, ticks 7 to 9, and the final comparison.
   logic less_low, less_high, less_half, less_rest, less_end;
   fs_select_less #(.Bits(S)) u_low (.a_i(word14_q), .b_i(word0_q), .less_o(less_low));
   fs_select_less #(.Bits(S)) u_high (.a_i(word36_q), .b_i(word7_q), .less_o(less_high));

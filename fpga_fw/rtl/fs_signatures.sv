@@ -1,9 +1,10 @@
-// The signatures of all stages: of each a word per pixel, as fpga_fw/spec/registers.md says, and a
-// register that runs over a frame.
+// Signatures of all stages: makes one word per pixel and stage, as fpga_fw/spec/registers.md
+// defines, and accumulates the words over a frame.
 //
 // C++ twin  stage_signatures() in src/core/signature.cpp
-// Latency   a signature is there some clocks after the last pixel of a frame has left its stage.
-// Handshake the raster of each stage; valid_i and sof_i have a bit per stage.
+// Latency   a signature is available some clocks after the last pixel of a frame has left its
+//           stage.
+// Handshake the raster of each stage; valid_i and sof_i have one bit per stage.
 module fs_signatures #(
   parameter int Disparities = 64,
   parameter int CensusBits = 24,
@@ -32,8 +33,8 @@ module fs_signatures #(
   input  logic [15:0]                     disparity_i,
   output logic [32*fs_pkg::NumStages-1:0] signatures_o
 );
-  // Tick by tick: the words of narrow outputs are made here, in one register; the wide ones have
-  // modules.
+  // Words of the narrow outputs are computed here, in one register; those of the wide outputs have
+  // their own modules.
   function automatic logic [31:0] rotated(input logic [31:0] word, input int by);
     rotated = by == 0 ? word : (word << by) | (word >> (32 - by));
   endfunction
@@ -88,7 +89,7 @@ module fs_signatures #(
   assign words[32*fs_pkg::StageSelect+:32] = select_q;
   assign words[32*fs_pkg::StageCheck+:32] = 32'(kept_q);
   assign words[32*fs_pkg::StageSubpixel+:32] = 32'(refined_q);
-  // No tick may follow the last pixel of the last frame: its word is taken as it leaves.
+  // There may be no tick after the last pixel of the last frame, so its word is not registered.
   assign words[32*fs_pkg::StageSpeckle+:32] = 32'(disparity_i);
 
   for (genvar k = 0; k < fs_pkg::NumStages; k++) begin : g_stage

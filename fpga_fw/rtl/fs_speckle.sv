@@ -1,8 +1,9 @@
-// Drops the disparities of regions that are too small.
+// Removes the disparities of regions that are too small.
 //
-// Formula   a pixel of row y keeps its disparity iff its region, restricted to the rows 0..y+24,
+// Formula   A pixel of row y keeps its disparity iff its region, restricted to the rows 0..y+24,
 //           has at least speckle_size pixels; regions are 4-connected, neighbours differ by at most
-//           speckle_range. With speckle_size 0 every pixel does. No label runs out.
+//           speckle_range. With speckle_size 0 every pixel keeps its disparity. Labels cannot run
+//           out.
 // C++ twin  fpga_stereo::speckle (src/core/speckle.cpp)
 // Schedule  in row times; the input row r + 1 comes at r + 1
 //             r+1   fs_speckle_link       links row r+1 to the regions of rows 0..r
@@ -14,18 +15,19 @@
 //             r+12  M8_r = M4_{r+4} o M4_r           K9_r = K5_{r+4} o M4_r
 //             r+21  M16_r = M8_{r+8} o M8_r
 //             r+29  K25_r = K9_{r+16} o M16_r: the region is large enough by row r+24
-//           Each is a stream in pixel order. The ticks in a row are those of the sub-modules:
-//             1 input  3 linked?  6 links  9 areas  14 M1  17 M2  20 M4  23 K5  26 M8, K9  29 M16
+//           Each of these is a stream in pixel order. The ticks within a row are those of the
+//           sub-modules:
+//             1 input  3 linked  6 links  9 areas  14 M1  17 M2  20 M4  23 K5  26 M8, K9  29 M16
 //             32 K25  33 output
 // Latency   29 rows and 33 ticks.
 // Handshake the raster (see fs_top).
 // Limits    width_i 16 to MaxWidth. Disparities are less than 2**DisparityBits - 1; bit 15 of
-//           disparity_i is set iff there is none. LookAhead is 24.
+//           disparity_i is set iff the pixel has no disparity. LookAhead is 24.
 module fs_speckle #(
   parameter int MaxWidth = 640,
   parameter int DisparityBits = 11,
   parameter int LookAhead = fs_pkg::SpeckleLookAhead,
-  parameter int BlockVerdicts = 0  // verdict bits K1 and K9 in block RAM (2 more), not in LUTs
+  parameter int BlockVerdicts = 0  // verdict bits K1 and K9 in 2 more block RAMs, not in LUTs
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -60,14 +62,14 @@ module fs_speckle #(
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
   );
-  // Row starts by tick.
+  // Row starts, by tick.
   logic [28:1] first_q;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) first_q <= '0;
     else if (en_i) first_q <= {first_q[27:1], sol_i};
   end
 
-  // What is delayed by whole rows, all in one line delay. From the lowest bit: disparities,
+  // All delays by whole rows, in one line delay. From the lowest bit: disparities,
   // fs_speckle_linked, first links, names, M1, M2, M4, M8, M16.
   localparam int Disparities = 28 * DisparityBits;
   localparam int Names = Disparities + 2;
@@ -77,10 +79,10 @@ module fs_speckle #(
     .clk_i, .rst_ni, .en_i, .length_i(LengthBits'(width_i)), .data_i(delay_in), .data_o(delay_out)
   );
 
-  // Tick 1: the pixel, the one before, the one above.
+  // Tick 1: the pixel, its left neighbour and the pixel above.
   logic [DisparityBits-1:0] here_q, left_q, above;
   logic valid_1_q, left_valid_q, above_valid;
-  logic frame_q, above_frame_q, top_q;  // this row and the one above are of a frame; row 0
+  logic frame_q, above_frame_q, top_q;  // this row, the row above is of a frame; row 0
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       frame_q <= 1'b0;
@@ -147,7 +149,7 @@ module fs_speckle #(
   );
   assign delay_in[Names+:Bits] = named ? name : Drop;
 
-  // Tick 14: M1. Then the way down the rows, doubling.
+  // Tick 14: M1. Then the composition over the rows below, in doubling steps.
   logic [Bits-1:0] m1, m2, m4, m8, m16;
   logic [Bits-1:0] m1_delayed, m2_delayed, m4_delayed, m8_delayed, m16_delayed;
   fs_speckle_targets #(.WordBits(WordBits)) u_targets (
@@ -169,8 +171,8 @@ module fs_speckle #(
   assign m8_delayed = delay_out[M8+8*Bits+:Bits];
   assign m16_delayed = delay_out[M16+7*Bits+:Bits];
 
-  // The verdicts wait for the positions that they are looked up with: K1 6 ticks, K9 3 ticks; M4
-  // waits 3 ticks for K5.
+  // Delays verdicts until the positions that look them up arrive: K1 by 6 ticks, K9 by 3 ticks; M4
+  // is delayed 3 ticks for K5.
   logic k5, k9, k25;
   logic [20:15] k1_q;
   logic [29:27] k9_q;
@@ -216,7 +218,7 @@ module fs_speckle #(
     .index_i(m16_delayed), .code_o(no_code[Bits+:Bits]), .verdict_o(k25)
   );
 
-  // Tick 32 and 33: the pixel again.
+  // Ticks 32 and 33: selects the disparity or NoDisparity.
   logic [DisparityBits-1:0] disparity;
   logic [TailBits-1:0] tail_length;
   assign tail_length = TailBits'(width_i) + TailBits'(Tail);

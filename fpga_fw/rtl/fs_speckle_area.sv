@@ -1,21 +1,22 @@
-// Areas of the regions that fs_speckle_link finds, and what becomes of each region one row below.
+// Computes the areas of the regions that fs_speckle_link finds, and decides for each region where
+// it continues one row below.
 //
 // Formula   area_r[E] = sum over the pixels x of E in row r of  1 + credit_r[x]
 //           credit_r[x] = area_{r-1}[F] where F is first linked into row r at x, else 0
-//           (up to 2**10 - 1, which is more than any speckle_size)
-//           E is named by its first pixel in row r, a. When its last pixel in row r has gone by:
+//           (saturates at 2**10 - 1, which is more than any speckle_size)
+//           E is named by its first pixel in row r, a. After its last pixel in row r:
 //             target[a] = keep                      if area >= speckle_size
 //                         drop                      else if E is not linked into row r+1
 //                         its first link's x        else: a pixel of row r+1 of the same region
 // C++ twin  src/core/speckle.cpp
 // Schedule  per pixel, in ticks; the input is tick 6
-//             6  stack and credit read          8  E is pushed, popped or new; credit chosen
-//             9  name out; credit added; if E ends: credit for the next row written
+//             6  stack and credit read          8  E is pushed, popped or new; credit selected
+//             9  name output; credit added; if E ends: credit for the next row written
 //            10  compared                      11  target
-//           The stack is read before the pushes of the two ticks before are in it: hist_q has the
-//           last push. The first 12 credits lie in LUTs too, for their writes can come 1 tick
-//           before they are read; that of pixel 0 is passed on.
-// Limits    rows of at least 16 pixels. As fs_speckle_link: no pop of an empty stack.
+//           A read of the stack misses the pushes of the two preceding ticks: hist_q holds the last
+//           push. The first 12 credits are also kept in LUTs, because they can be written as late
+//           as 1 tick before they are read; the credit of pixel 0 is forwarded.
+// Limits    rows of at least 16 pixels. As in fs_speckle_link: no pop of an empty stack.
 module fs_speckle_area #(
   parameter int WordBits = 8,
   parameter int StackDepth = 320
@@ -31,7 +32,7 @@ module fs_speckle_area #(
   input  logic                push_i,
   input  logic                close_i,
   input  logic                first_link_i,
-  output logic                credited_o,      // tick 8: goes out, and comes back a row later
+  output logic                credited_o,      // tick 8: output, and returned one row later
   input  logic                credited_i,
   output logic                named_o,         // tick 9: the pixel above has a region
   output logic [WordBits+1:0] name_o,
@@ -42,7 +43,7 @@ module fs_speckle_area #(
   localparam int Bits = WordBits + 2;
   localparam int AreaBits = 10;
   localparam int AddressBits = $clog2(StackDepth);
-  localparam logic [Bits-1:0] Keep = {Bits{1'b1}};  // Yosys takes '1 for 1 here
+  localparam logic [Bits-1:0] Keep = {Bits{1'b1}};  // Yosys reads '1 as 1 here
   localparam logic [Bits-1:0] Drop = Bits'(3);
 
   logic [WordBits-1:0] word_6;
@@ -95,7 +96,7 @@ module fs_speckle_area #(
   assign sum = {1'b0, area_q} + {1'b0, credit_q} + {{AreaBits{1'b0}}, one_q};
   assign area = sum[AreaBits-1:0] | {AreaBits{sum[AreaBits]}};
 
-  // Stack. A pop at tick 6 misses the pushes of the pixels one and two before.
+  // Stack. A pop at tick 6 misses the pushes of the two preceding pixels.
   localparam int StackBits = 2 * Bits + 1 + AreaBits;
   (* no_rw_check *) logic [StackBits-1:0] stack[0:2**AddressBits-1];
   logic [AddressBits-1:0] size_q, size_before, address_7_q, address_8_q;
@@ -162,7 +163,7 @@ module fs_speckle_area #(
   assign named_o = named_q[9];
   assign name_o = name_q;
 
-  // What becomes of it.
+  // Target of the region.
   logic ends_10_q, linked_10_q;
   logic [Bits-1:0] name_10_q, link_10_q;
   logic [AreaBits-1:0] area_10_q;

@@ -1,25 +1,24 @@
-// One step of the way down the rows: looks a stream of positions up in the row below them.
+// Composes two maps: looks each position of a stream up in the map of a row further below.
 //
-// Formula   code_o[x], verdict_o[x] = young[index_i[x]], where young is what came in at young_i in
-//           the row before; an index that is a verdict already (slot 3) passes through
-// Schedule  Two tables that swap at each row start: one is written with young_i, the other one is
-//           read.
-//             tick 0: the entry is written with those before it in its word; the table reads
+// Formula   code_o[x], verdict_o[x] = young[index_i[x]], where young is the stream of young_i in
+//           the previous row; an index that already is a verdict (slot 3) passes through
+// Schedule  Two tables swap at each row start: one is written with young_i, the other one is read.
+//             tick 0: writes the entry together with the earlier ones of its word; reads the table
 //             tick 1: RAM register
-//             tick 2: one entry of the word chosen
+//             tick 2: selects one entry of the word
 // Latency   3 ticks.
 // Limits    index_i and young_i are in step: pixel x of a row in the same tick. Each row's index
-//           points into the row that young_i had one row time earlier.
+//           points into the row that young_i carried one row time earlier.
 module fs_speckle_compose #(
   parameter int WordBits = 8,
   parameter bit Codes = 1,     // the table holds positions
   parameter bit Verdicts = 0,  // the table holds verdict bits
-  parameter bit Block = 1      // in block RAM, not in LUTs
+  parameter bit Block = 1      // in block RAM instead of LUTs
 ) (
   input  logic                clk_i,
   input  logic                rst_ni,
   input  logic                en_i,
-  input  logic                first_i,  // row start of the stage before
+  input  logic                first_i,  // row start of the previous stage
   input  logic [WordBits+1:0] young_i,
   input  logic                young_verdict_i,
   input  logic [WordBits+1:0] index_i,
@@ -49,7 +48,7 @@ module fs_speckle_compose #(
     assign unused = ^young_i;
   end
 
-  // A word is written three times, with one entry more each time.
+  // A word is written three times, each time with one more entry.
   logic [3*Bits-1:0] word_in, word_q;
   assign word_in = {
     entry, slot == 2'd1 ? entry : entry_1_q, slot == 2'd0 ? entry : entry_0_q
@@ -75,7 +74,7 @@ module fs_speckle_compose #(
       end
     end
   end else begin : g_luts
-    // Quarters, so that the way through LUTs takes two ticks.
+    // Four quarters, so that the path through the LUTs takes two ticks.
     logic [4*3*Bits-1:0] quarters_q;
     logic [1:0] quarter_q;
     for (genvar k = 0; k < 4; k++) begin : g_quarter

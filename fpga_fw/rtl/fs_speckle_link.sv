@@ -1,10 +1,10 @@
-// Links each row to the row above it: finds the regions of rows 0..r as they show in row r.
+// Links each row to the row above it: finds the regions of rows 0..r as they appear in row r.
 //
 // A run is a set of horizontally linked pixels of a row, named by its first pixel. Regions of rows
-// 0..r divide the runs of row r into sets that do not cross (the image is a plane): if runs
+// 0..r divide the runs of row r into sets that do not cross (the image is planar): if runs
 // a < b < c < d have a, c in one region and b, d in one region, then all four are in one. So
-//   - from left to right, the regions that are still to come again form a stack;
-//   - a region is known by the first run it has in the row (its head) and by the last one.
+//   - from left to right, the regions that will appear again form a stack;
+//   - a region is identified by its first run in the row (its head) and by its last run.
 //
 // Formula   per run of row r (the table):  inner = not a head;  last = a head's last run
 //           Row r+1, left to right; the region of the pixel above is E, with
@@ -14,22 +14,21 @@
 //             linked up, E.head none:   E.head = h           (first: E's pixels count here)
 //             linked up, E.head set:    inner[h] = 1 unless it is E.head;  h = E.head
 //             run c ends:               inner[h] = 0, last[h] = c
-//           E: at a start of a run p above: if inner[p], the one before if that one has still runs
-//           to come, else the top of the stack; if not inner[p], a new one, last = last[p].
+//           E changes at the start of a run p above. If inner[p], E is the previous region if that
+//           has runs to come, else the top of the stack. If not inner[p], E is a new region,
+//           last = last[p].
 // C++ twin  src/core/speckle.cpp, as a union-find
 // Schedule  per pixel, in ticks; the input is tick 3
 //             1  table reads                          3  fetch: table entry, or that of `near`
 //             4  visit: E is pushed, popped or new    5  event: E.head, h, table write
-//           The table is written by row r+1 only behind the place where row r is read. At a row
-//           start it is the same table's last writes that are read next; hence
-//             near     the first 12 entries once more, in registers and LUTs: no latency
-//             `hit_*`  what the last run of the row above says of entries 0 and 1, which are
-//                      visited while it ends
-//           One write a tick is enough: runs are `inner` until the table says otherwise (reading
-//           makes an entry inner again), so that a run that is joined at once needs no write, and
-//           the end of a run is written in the tick after it, when nothing else is.
-// Latency   3 ticks (outputs: tick 6).
-// Limits    rows of at least 16 pixels.
+//           Row r+1 writes the table only at positions at which row r has already been read. After
+//           a row start the last writes of that same table may be read next; hence
+//             near     holds the first 12 entries once more, in registers and LUTs, without latency
+//             `hit_*`  the last run of the row above applies to entry 0 or 1, which are visited
+//                      while that run ends
+//           One write per tick is sufficient. Runs are `inner` until the table says otherwise
+//           (reading makes an entry inner again), so a run that is joined at once needs no write.
+//           The end of a run is written in the tick after it, when there is no other write.
 module fs_speckle_link #(
   parameter int WordBits = 8,
   parameter int StackDepth = 320
@@ -39,20 +38,20 @@ module fs_speckle_link #(
   input  logic en_i,
   input  logic first_i,        // tick 0: row start
   input  logic valid_i,        // tick 3: the pixel has a disparity
-  input  logic link_i,         //         it is linked to the one on its left
-  input  logic up_i,           //         it is linked to the one above
-  input  logic above_valid_i,  //         the one above has a disparity
-  input  logic above_link_i,   //         the one above is linked to the one on its left
+  input  logic link_i,         //         it is linked to its left neighbour
+  input  logic up_i,           //         it is linked to the pixel above
+  input  logic above_valid_i,  //         the pixel above has a disparity
+  input  logic above_link_i,   //         the pixel above is linked to its left neighbour
   output logic above_valid_o,  // tick 6
-  output logic new_o,          // E is a new region, a popped one, else the same as before;
+  output logic new_o,          // E is a new region, a popped one, else the same as before
   output logic pop_o,
-  output logic push_o,         // the one before was pushed
-  output logic close_o,        // E ends with this pixel
+  output logic push_o,         // the previous E was pushed
+  output logic close_o,        // E ends at this pixel
   output logic first_o         // first link of E into this row
 );
   localparam int Bits = WordBits + 2;
 
-  // Positions and row starts of the ticks 1 to 5.
+  // Positions and row starts of ticks 1 to 5.
   logic [WordBits-1:0] word_1;
   logic [1:0] slot_1;
   logic odd_1;
@@ -74,18 +73,18 @@ module fs_speckle_link #(
     end
   end
 
-  // Tick 4 and 5: the pixel.
+  // Ticks 4 and 5: the pixel.
   logic valid_4_q, link_4_q, up_4_q, above_valid_4_q, above_link_4_q;
   logic valid_5_q, start_5_q, up_5_q, above_valid_5_q, new_5_q, pop_5_q, push_5_q;
 
-  // The region under the cursor, E: tick 4 changes it for its pixel, tick 5 for its own one.
+  // The region under the cursor, E: ticks 4 and 5 each update it for the pixel they hold.
   logic region_q, region_ends_q, region_set_q;
   logic [Bits-1:0] region_last_q, region_head_q;
 
-  // Tick 5: links upwards. The current run, and the head of its region.
+  // Tick 5: links upwards. The current run and the head of its region.
   logic [Bits-1:0] run_q, head_q;
   logic own_q;    // the run itself is the head
-  logic ended_q;  // the run ended with the pixel before
+  logic ended_q;  // the run ended with the previous pixel
   logic joined, joined_inner;
   logic [Bits-1:0] head_before, head_d;
   assign joined = up_5_q & region_set_q;
@@ -119,7 +118,7 @@ module fs_speckle_link #(
 
   (* no_rw_check *) logic [Bits+1:0] memory[0:2**Bits-1];
   logic [Bits+1:0] read_q, far_q;
-  // A dual-port memory: each port is a process of its own.
+  // A dual-port memory: each port has its own process.
   // verilator lint_off MULTIDRIVEN
   always_ff @(posedge clk_i) begin
     if (en_i) begin

@@ -1,4 +1,4 @@
-// Do two neighbouring pixels belong together?
+// Decides whether two neighbouring pixels belong to the same region.
 //
 // Formula   linked = both valid and |a - b| <= range
 // C++ twin  connected() in src/core/speckle.cpp
@@ -10,7 +10,7 @@ module fs_speckle_linked #(
   input  logic            clk_i,
   input  logic            en_i,
   input  logic [9:0]      range_i,
-  input  logic            valid_i,  // both are
+  input  logic            valid_i,  // both pixels are valid
   input  logic [Bits-1:0] a_i,
   input  logic [Bits-1:0] b_i,
   output logic            linked_o
@@ -21,7 +21,7 @@ module fs_speckle_linked #(
   logic valid_q;
   assign range = Wide'(range_i);
   assign difference = {{(Wide - Bits - 1) {difference_q[Bits]}}, difference_q};
-  assign above = range - difference;  // negative: too much
+  assign above = range - difference;  // negative: difference too large
   assign below = range + difference;
   always_ff @(posedge clk_i) begin
     if (en_i) begin

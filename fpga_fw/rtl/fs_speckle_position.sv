@@ -1,11 +1,11 @@
-// Where a pixel stands in its row, for one pipeline stage of speckle.
+// Counts the position of a pixel in its row, for one pipeline stage of speckle.
 //
-// Formula   position x = 3 word + slot, slot 0..2: the code {word, slot} names a pixel of a row
-//           everywhere in speckle. So three neighbours share a word of a 36-bit block RAM, and the
-//           codes with slot 3 are free for verdicts. Only equality of codes is ever needed.
-// Schedule  a counter; first_i is the row start of the stage before, so that the outputs are
-//           registers of their stage.
-// Limits    none: outside rows it counts on and nobody looks.
+// Formula   position x = 3 word + slot, slot 0..2. The code {word, slot} names a pixel of a row
+//           everywhere in speckle: three neighbours share a word of a 36-bit block RAM, and the
+//           codes with slot 3 are free for verdicts. Codes are only compared for equality.
+// Schedule  A counter. first_i is the row start of the previous stage, so that the outputs are
+//           registers of their own stage.
+// Limits    none: it also counts outside rows, where the outputs are not used.
 module fs_speckle_position #(
   parameter int WordBits = 8
 ) (
@@ -15,7 +15,7 @@ module fs_speckle_position #(
   input  logic                first_i,
   output logic [WordBits-1:0] word_o,
   output logic [1:0]          slot_o,
-  output logic                odd_o  // another value in every row
+  output logic                odd_o  // toggles with every row
 );
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin

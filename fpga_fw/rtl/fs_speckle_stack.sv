@@ -1,12 +1,12 @@
-// A stack of words: one push or pop a tick, the top in a register.
+// A stack of words: one push or pop per tick, the top in a register.
 //
-// Schedule  The three topmost words are kept in registers; block RAM has a copy of everything. A
-//           push moves the registers down and writes the RAM. A pop moves them up and leaves a gap
+// Schedule  Registers hold the three topmost words; block RAM holds a copy of all words. A push
+//           moves the registers down and writes the RAM. A pop moves them up and leaves a gap
 //           below, which the RAM fills two ticks later:
-//             tick 0: pop; the RAM reads the word that the gap (place 2) lacks
+//             tick 0: pop; the RAM reads the word that is missing in the gap (place 2)
 //             tick 1: RAM register
-//             tick 2: the word goes where the gap is now (place 0 to 2, or nowhere)
-// Limits    push and pop not together; no pop of an empty stack; at most Depth words.
+//             tick 2: the word goes to where the gap is now (place 0 to 2, or nowhere)
+// Limits    no push and pop in the same tick; no pop of an empty stack; at most Depth words.
 module fs_speckle_stack #(
   parameter int Bits = 21,
   parameter int Depth = 320
@@ -14,7 +14,7 @@ module fs_speckle_stack #(
   input  logic            clk_i,
   input  logic            rst_ni,
   input  logic            en_i,
-  input  logic            clear_i,  // empty; not together with push or pop
+  input  logic            clear_i,  // empties the stack; not together with push or pop
   input  logic            push_i,
   input  logic            pop_i,
   input  logic [Bits-1:0] data_i,
@@ -24,7 +24,7 @@ module fs_speckle_stack #(
   logic [AddressBits-1:0] size_q, fill_address;
   (* no_rw_check *) logic [Bits-1:0] memory[0:2**AddressBits-1];
   logic [Bits-1:0] read_q, filler_q, top_q, second_q, third_q;
-  // A gap is made in place 2. One tick later it can be in place 1 or 2, or gone.
+  // A pop leaves a gap in place 2. One tick later the gap can be in place 1 or 2, or gone.
   logic made_q, gap_1_q, gap_2_q;
 
   assign fill_address = size_q - AddressBits'(4);

@@ -1,10 +1,10 @@
-// For each pixel, where its region goes on one row below: the map from row r to row r+1.
+// Finds, for each pixel, where its region continues one row below: the map from row r to row r+1.
 //
 // Formula   target_o[x] = target[name[x]] where the pixel x of row r has a region, else drop
-// Schedule  Two tables that swap at each row start: fs_speckle_area writes that of its row, that of
-//           the row before is read. The names come back a row after they went out.
-//             tick 9, 10: wait, for the last target may be written when the next row starts
-//             tick 11: the table reads       12: RAM register       13: chosen
+// Schedule  Two tables swap at each row start: fs_speckle_area writes the table of its row, and the
+//           table of the previous row is read. The names come back one row after they were output.
+//             tick 9, 10: wait, as the last target may be written when the next row starts
+//             tick 11: the table is read     12: RAM register       13: selection
 // Latency   5 ticks (output: tick 14).
 module fs_speckle_targets #(
   parameter int WordBits = 8

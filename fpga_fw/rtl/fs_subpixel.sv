@@ -1,24 +1,24 @@
-// Disparity in 1/32 px: vertex of the least-squares parabola through five sums.
+// Refines the disparity to 1/32 px: vertex of the least-squares parabola through five sums.
 //
 // Formula   num = 2 C(-2) + C(-1) - C(1) - 2 C(2),  den = 2 C(-2) - C(-1) - 2 C(0) - C(1) + 2 C(2)
 //           offset = 32 * 7 num / (10 den), rounded half away from zero, clamped to -32..32;
 //           0 unless subpixel and 2 <= dL <= Disparities - 3 and den > 0
-//           disparity = 32 dL + offset; NoDisparity where not kept. No clamp is needed: where there
-//           is an offset, dL is more than a pixel away from the ends.
-// C++ twin  fpga_stereo::subpixel
+//           disparity = 32 dL + offset; NoDisparity where not kept. The disparity needs no clamp:
+//           where the offset is not 0, dL is more than a pixel away from both ends of the range.
+// C++ twin  fpga_stereo::subpixel (src/core/subpixel.cpp)
 // Schedule  ticks 1..4   n = 7 |num|, d = 5 den, from sums and differences
 //           ticks 5..10  |offset| = floor((32 n + d) / (2 d)), by shift and subtract. Only 6 bits
-//                        of the quotient count, so division begins with
-//                        r = floor((32 n + d) / 32) = n + floor(d / 32), and the 5 bits of d that
-//                        are left out follow one by one:
-//             tick 6     r >= 2 d: |offset| is 32 or more, and clamped. Else r < 2 d, and so again
-//                        behind each step:
+//                        of the quotient are needed, so the division begins with
+//                        r = floor((32 n + d) / 32) = n + floor(d / 32), and the 5 remaining bits
+//                        of d follow one by one:
+//             tick 6     r >= 2 d: |offset| is 32 or more, and is clamped. Otherwise r < 2 d, and
+//                        this holds again after each step:
 //             6..10      the next bit of |offset| is r >= d; then r = r - d;
 //                        r = 2 r + next bit of d
 //           tick 11      disparity
 //           Sums are below 2^S, so |num| < 3 * 2^S and den <= 4 * 2^S: n and d have S + 5 bits, r
-//           S + 6. Without a negation: |num| = m + sign, m being num or its inverse; 7 |num| =
-//           (8 m + 7 sign) - m.
+//           S + 6. No negation is needed: |num| = m + sign, where m is num or its inverse, and
+//           7 |num| = (8 m + 7 sign) - m.
 // Latency   LatencyRows, LatencyTicks.
 // Handshake the raster (fs_top).
 module fs_subpixel #(
@@ -46,18 +46,18 @@ module fs_subpixel #(
   localparam int S = SumBits;
   localparam int Steps = $clog2(fs_pkg::DisparityScale);
   if (fs_pkg::SubpixelNumerator != 7 || fs_pkg::SubpixelDenominator != 10 || Steps != 5)
-    initial $fatal(1, "fs_subpixel: made for 32 * 7 num / (10 den)");
+    initial $fatal(1, "fs_subpixel: supports only offset = 32 * 7 num / (10 den)");
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
   );
 
-  // What goes along with the arithmetic: place k is that of tick k + 1.
+  // Values that accompany the arithmetic: index k belongs to tick k + 1.
   logic [10*DBits-1:0] winner_q;
   logic [9:0] kept_q;
-  logic [2:0] inside_q;    // to be refined, but for den
+  logic [2:0] inside_q;    // may be refined, if den > 0
   logic [9:3] refined_q;
-  logic [9:2] negative_q;  // num is
+  logic [9:2] negative_q;  // num is negative
   logic [9:5] full_q;      // |offset| is clamped
 
   // Ticks 1 to 4.
@@ -68,7 +68,7 @@ module fs_subpixel #(
   logic [S:0] outer_sum_q, inner_sum_q, inner_sum2_q;
   logic [S+1:0] m_q;
   logic [S+4:0] n_q, d_q;
-  // Ticks 5 to 10: place k is before step k.
+  // Ticks 5 to 10: index k is the value before step k.
   logic [S+5:0] first_r_q;
   logic [S+4:0] first_d_q;
   logic [(Steps+1)*(S+6)-1:0] r;
@@ -114,7 +114,7 @@ module fs_subpixel #(
     logic [S+6:0] difference;  // negative if r < d
     logic [S+5:0] next_r_q;
     logic [S+4:0] next_d_q;
-    logic [Steps-1-k:0] bit_q;  // until the last step
+    logic [Steps-1-k:0] bit_q;  // kept until the last step
     assign difference = {1'b0, r[k*(S+6)+:S+6]} - {2'b0, d[k*(S+5)+:S+5]};
     always_ff @(posedge clk_i) begin
       if (en_i) begin
@@ -130,7 +130,7 @@ module fs_subpixel #(
     assign quotient[Steps-1-k] = bit_q[Steps-1-k];
   end
 
-  // Tick 11. Minus is plus the inverse plus 1, and that 1 the carry out of a bit below.
+  // Tick 11. -offset is its inverse plus 1; that 1 comes as the carry out of an extra lowest bit.
   logic [Steps:0] offset;
   logic minus;
   logic [DBits+Steps:0] value;
@@ -144,6 +144,6 @@ module fs_subpixel #(
     else if (en_i) disparity_o <= fs_pkg::DisparityBits'(value[DBits+Steps:1]);
   end
 
-  logic unused;  // behind the last step, and below the result
+  logic unused;  // after the last step, and below the result
   assign unused = ^{r[Steps*(S+6)+:S+6], d[Steps*(S+5)+:S+5], value[0]};
 endmodule
