@@ -1,17 +1,17 @@
-// The parallel port of one image sensor: from its pixel clock to a stream of the core clock.
+// The parallel port of one image sensor: from its pixel clock to a stream in the core clock domain.
 //
-// Formula   a pixel is what stands on data_i at a rising pixclk_i with frame_valid_i and
-//           line_valid_i high; sof the first behind a clock with frame_valid_i low, eol one with
-//           none behind it, eof the last before frame_valid_i is low again
+// Formula   A pixel is the value of data_i at a rising pixclk_i with frame_valid_i and line_valid_i
+//           high. sof marks the first pixel after a clock with frame_valid_i low, eol a pixel that
+//           no other follows in the next clock, eof the last pixel before frame_valid_i falls.
 // C++ twin  SensorPort in test/rtl/link/sensor_port.hpp, the other end
 // Schedule  pixclk 1  the pins' flip-flops
-//           pixclk 2  the pixel waits until the next one comes or frame_valid_i falls: so the
-//                     last one of a line waits for the next line
+//           pixclk 2  the pixel waits until the next one comes or frame_valid_i falls; the last
+//                     pixel of a line therefore waits for the next line
 //           pixclk 3  fs_async_fifo; 3 or 4 clocks of clk_i later it is at the output
 // Latency   as above
-// Handshake stream (fs_stream_fifo.sv) out. The sensor cannot wait: a pixel that finds no room is
-//           lost, with all of its frame behind it. overrun_o: a pulse for each such frame.
-// Limits    Depth pixels, that come while the stream waits. Nothing comes before the first clock
+// Handshake Stream (fs_stream_fifo.sv) out. The sensor cannot wait: if a pixel finds no room, it
+//           and the rest of its frame are lost. overrun_o: a pulse for each such frame.
+// Limits    Depth pixels may come while the stream waits. Nothing is output before the first clock
 //           with frame_valid_i low. pixclk_i may stop at any time, clk_i may not.
 module fs_camera #(
   parameter int Depth = 64
@@ -35,7 +35,7 @@ module fs_camera #(
   logic pixel_rst_n;
   fs_sync u_reset (.clk_i(pixclk_i), .d_i(rst_ni), .q_o(pixel_rst_n));
 
-  // The pins.
+  // Registers at the pins.
   logic frame_q, pixel_q;
   logic [7:0] data_q;
   always_ff @(posedge pixclk_i) begin
@@ -44,8 +44,8 @@ module fs_camera #(
     data_q <= data_i;
   end
 
-  // The pixel that waits.
-  logic seen_q, first_q;  // frame_valid_i has been low; the next pixel is the first of its frame
+  // The pixel that waits for the next one.
+  logic seen_q, first_q;  // frame_valid_i was low; the next pixel is the first of its frame
   logic held_q, held_sof_q, held_eol_q, moves;
   logic [7:0] held_data_q;
   assign moves = pixel_q | ~frame_q;
@@ -67,7 +67,8 @@ module fs_camera #(
     end
   end
 
-  // What finds no room. The flag that comes over is a level that changes with each such frame.
+  // Lost pixels. overrun_q is a level that toggles for each such frame, so that it can cross
+  // clocks.
   logic room, keeps, lost_q, overrun_q, overrun_seen, overrun_seen_q;
   assign keeps = held_q & moves & (held_sof_q | ~lost_q);
   always_ff @(posedge pixclk_i) begin

@@ -1,25 +1,25 @@
-// Two sensors with a common clock: pixel by pixel into one stream of pairs, of the pipeline's
-// size.
+// Combines the pixels of two sensors with a common clock into one stream of pairs, cropped to the
+// pipeline's size.
 //
-// Formula   the middle of the sensors' images: columns from floor((SensorWidth - width_i) / 2)
-//           on, rows from floor((SensorHeight - height_i) / 2) on; what is beyond is dropped
+// Formula   The middle of the sensors' images: columns from floor((SensorWidth - width_i) / 2) on,
+//           rows from floor((SensorHeight - height_i) / 2) on; the rest is dropped.
 // C++ twin  test/rtl/link/camera_test.cpp
-// Schedule  clock 1 both words are at the head, are what must come, and move; clock 2 the pair
-// Latency   1 clock behind fs_camera
-// Handshake streams. Each sensor must give frames of exactly SensorHeight lines of exactly
-//           SensorWidth pixels. The first of a pair waits for the other for MaxSkew clocks.
-//           Within a frame both do not stay away for MaxSilence clocks, as they do where fs_camera
-//           has no room for the rest of it. Anything else is an error: error_o for a clock, and
-//           both are dropped up to where frames begin that are no more than MaxSkew clocks apart.
-//           The last two pixels of a frame go out only when all of both sensors' frames has come
-//           and was right. A frame with an error, even below its last row, is one that is cut. What
-//           it lacks is made up at once: of each line one black pixel with eol, which fs_input
-//           fills up and marks, long before the sensors' next frame comes; else fs_input would do
-//           so while that waits, which no FIFO here could hold. Of the last line at least one pixel
-//           never goes out then, so that it cannot pass for a whole one.
+// Schedule  clock 1: both words are present, are as expected, and move; clock 2: the pair
+// Latency   1 clock after fs_camera
+// Handshake Streams. Each sensor must give frames of exactly SensorHeight lines of exactly
+//           SensorWidth pixels. The first of a pair waits up to MaxSkew clocks for the other.
+//           Within a frame both must not stay silent for MaxSilence clocks, as they do when
+//           fs_camera has no room for the rest of a frame. Anything else is an error: error_o for a
+//           clock, and both are dropped until their frames begin within MaxSkew clocks.
+//           The last two pixels of a frame are output only after both sensors' frames have arrived
+//           complete and correct. A frame with an error, even one below its last row, is cut.
+//           Its missing lines are filled in at once, each with one black pixel with eol, which
+//           fs_input pads and flags. This is done long before the sensors' next frame comes;
+//           otherwise fs_input would do it while that frame waits, which no FIFO here could hold.
+//           At least one pixel of the last line is then missing, so the frame cannot look complete.
 // Limits    MaxSkew: less than the time of a line; MaxSilence: more than the blanking of a line.
-//           width_i, height_i: taken over where a frame begins; larger than the sensor's, all
-//           frames are cut.
+//           width_i, height_i are read when a frame begins. If they exceed the sensor's, all frames
+//           are cut.
 module fs_camera_pair #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,
@@ -38,7 +38,7 @@ module fs_camera_pair #(
   input  logic [1:0]  eof_i,
   input  logic [15:0] data_i,
   output logic        error_o,
-  output logic        frame_o,  // a frame was whole: a pulse
+  output logic        frame_o,  // pulse: a frame was complete
   // The pairs.
   output logic        valid_o,
   input  logic        ready_i,
@@ -53,8 +53,8 @@ module fs_camera_pair #(
     initial $fatal(1, "fs_camera_pair: the sensor is %0d x %0d, allowed: 16 x 1 to 2048 x 2048",
                    SensorWidth, SensorHeight);
 
-  // The place of the next pair, and the window.
-  logic synced_q;  // the words at the heads are of one frame, or of the two that begin next
+  // Position of the next pair, and the window.
+  logic synced_q;  // the present words are of one frame, or begin the next
   logic first_q, last_x_q, last_y_q;
   logic [11:0] x_q, y_q;
   logic [11:0] left, top, left_q, top_q, right_q, bottom_q, height_q;
@@ -70,15 +70,15 @@ module fs_camera_pair #(
     end
   end
 
-  // What the two words at the heads are.
+  // Classifies the two present words.
   logic room, both, alone, right_words, waited, silent, take, fails, starts;
-  logic completes;  // what goes out is the end of the frame before
+  logic completes;  // the output is the end of the previous frame
   logic [1:0] begins;
   logic [SkewBits-1:0] skew_q;
   logic [SilenceBits-1:0] silence_q;
   assign room = ~valid_o | ready_i;
   assign both = &valid_i;
-  // A line of one pixel begins no frame: it would never be taken.
+  // A line of one pixel does not begin a frame: it would never be taken.
   assign begins = valid_i & sof_i & ~eol_i;
   assign right_words = sof_i == {2{first_q}} & eol_i == {2{last_x_q}} &
                        eof_i == {2{last_x_q & last_y_q}};
@@ -88,7 +88,8 @@ module fs_camera_pair #(
   assign take = synced_q & both & right_words & room & ~completes;
   assign fails = synced_q & ((both & ~right_words) | waited | silent);
   assign starts = ~synced_q & (&begins);
-  // Out of step, all but the first words of frames is dropped. What has waited too long is, too.
+  // Out of step, everything but first words of frames is dropped; so is a word that waited too
+  // long.
   assign ready_o = (synced_q ? {2{take}} : ~begins) | {2{waited}};
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
@@ -122,7 +123,7 @@ module fs_camera_pair #(
     end
   end
 
-  // The window. Its last two pixels are kept until the rest of the sensors' frames has come.
+  // The window. Its last two pixels are held until the rest of the sensors' frames has arrived.
   logic shown, keeps, corner, kept_q, passes, ends, whole, begins_window, ends_line;
   logic [31:0] kept_data_q;
   assign shown = x_q >= left_q & x_q <= right_q & y_q >= top_q & y_q <= bottom_q;
@@ -134,10 +135,10 @@ module fs_camera_pair #(
   assign begins_window = x_q == left_q & y_q == top_q;
   assign ends_line = x_q == right_q | last_x_q;
 
-  // The frame's end: the pixels that were kept, or black ones in the place of lines.
+  // End of the frame: the pixels held back, or black pixels in place of lines.
   logic ended_q, black;
-  logic [11:0] lines_q;  // that have not gone out
-  logic [1:0] tail_q;    // pixels that were kept and may go out
+  logic [11:0] lines_q;  // lines that have not been output
+  logic [1:0] tail_q;    // held pixels that may be output
   assign black = ended_q & lines_q != '0;
   assign completes = black | tail_q != '0;
   always_ff @(posedge clk_i) begin

@@ -6,16 +6,16 @@
 // C++ twin  test/rtl/link/camera_test.cpp
 // Schedule  theirs
 // Latency   from a pixel at the pins 3 clocks of its clock and some 9 of clk_i
-// Handshake stream out. fs_input holds it up where a frame comes before a row of ticks is
-//           complete: a row of clocks at most, some 270 pixels of 25 MHz where clk_i has 60.
-//           Depth is for that. It is held up longer, up to 41 rows of clocks, where a
-//           configuration is taken over while a line that is slow still has the frame before; and
-//           up to a frame of clocks, where another height, or sensors that were away, let fs_input
-//           fill up the frame before. Then the frame is cut, fs_camera_pair makes up what it lacks,
-//           and the next one is whole. errors_o, overruns_o: frames that were not whole, that
-//           found no room, modulo 256.
-// Limits    Pixels come at no more than half of clk_i's rate. A frame and its blanking take longer
-//           than its ticks and what it is held up for: else the one behind it is cut, too.
+// Handshake Stream out. fs_input stalls it if a frame comes before a row of ticks is complete: for
+//           a row of clocks at most, some 270 pixels at 25 MHz with clk_i at 60 MHz. Depth covers
+//           that. There are longer stalls: up to 41 rows of clocks when a configuration takes
+//           effect while a slow line still holds the previous frame; and up to a frame of clocks
+//           when a new height, or sensors that stopped, make fs_input fill up the previous frame.
+//           Then the frame is cut, fs_camera_pair fills in its missing lines, and the next one is
+//           whole. errors_o counts frames that were not whole, overruns_o frames that found no
+//           room, both modulo 256.
+// Limits    Pixels come at no more than half of clk_i's rate. A frame and its blanking must take
+//           longer than its ticks plus the stalls; otherwise the next frame is cut, too.
 module fs_cameras #(
   parameter int SensorWidth = 752,
   parameter int SensorHeight = 480,
@@ -39,7 +39,7 @@ module fs_cameras #(
   output logic        eol_o,
   output logic [7:0]  left_o,
   output logic [7:0]  right_o,
-  output logic        frame_o,    // both sensors' frames were whole: a pulse
+  output logic        frame_o,    // pulse: both sensors' frames were whole
   output logic [7:0]  errors_o,
   output logic [7:0]  overruns_o
 );
@@ -65,7 +65,7 @@ module fs_cameras #(
     .ready_i(pair_ready), .sof_o(pair_sof), .eol_o(pair_eol), .left_o(pair_left),
     .right_o(pair_right)
   );
-  // Of one clock: it is the FIFO that has block RAM.
+  // Both sides use one clock. This FIFO is used because it is in block RAM.
   fs_async_fifo #(.Bits(18), .Depth(Depth)) u_fifo (
     .wr_clk_i(clk_i), .wr_rst_ni(rst_ni), .wr_valid_i(pair_valid), .wr_ready_o(pair_ready),
     .wr_data_i({pair_sof, pair_eol, pair_left, pair_right}), .rd_clk_i(clk_i), .rd_rst_ni(rst_ni),

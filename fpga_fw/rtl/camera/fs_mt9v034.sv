@@ -1,15 +1,16 @@
-// What the registers of the sensor MT9V034 are set to: 752 x 480 at 30 frames a second.
+// Register table of the sensor MT9V034: 752 x 480 at 30 frames a second.
 //
-// Formula   with SYSCLK = 25 MHz a row is 752 + 835 clocks, 63.48 us, a frame 480 + 45 rows: 30.0
-//           frames a second. The rows take most of the frame's time, so that the link has it, too,
-//           to send them (640 px of disparity: 21 MB/s). The exposure is 236 rows, 14.98 ms, always
-//           and in both: so one number tells how far its middle is before the first pixel.
+// Formula   With SYSCLK = 25 MHz a row is 752 + 835 clocks, 63.48 us; a frame is 480 + 45 rows:
+//           30.0 frames a second. The rows take most of the frame's time, so the link has that time
+//           to send them, too (640 px of disparity: 21 MB/s). The exposure is always 236 rows,
+//           14.98 ms, in both sensors, so one number gives the time from its middle to the first
+//           pixel.
 // C++ twin  kSensorTable in test/rtl/board_test.cpp
 // Handshake none: a table, index_i to entry
 // Limits    Register numbers are those of the data sheet of the MT9V034, context A. Reset
-//           values are written, too, where the pair depends on them. Both sensors are masters with
-//           the same clock, reset and writes, so that they stay in step; each has automatic gain of
-//           its own. More than 480 rows of exposure would make the frames longer.
+//           values on which the pair depends are written as well. Both sensors are masters with
+//           the same clock, reset and writes, so they stay in step; each has its own automatic
+//           gain. An exposure of more than 480 rows would make the frames longer.
 module fs_mt9v034 (
   input  logic [3:0]  index_i,
   output logic [7:0]  register_o,
@@ -29,7 +30,7 @@ module fs_mt9v034 (
       4'd7: {register_o, value_o} = {8'h0D, 16'h0300};  // no binning, no flip
       4'd8: {register_o, value_o} = {8'h0B, 16'd236};   // exposure, rows
       default: begin
-        {register_o, value_o} = {8'hAF, 16'h0002};      // automatic gain, exposure as it is written
+        {register_o, value_o} = {8'hAF, 16'h0002};      // automatic gain, exposure as written
         last_o = 1'b1;
       end
     endcase

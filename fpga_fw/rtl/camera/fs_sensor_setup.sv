@@ -1,19 +1,18 @@
-// Resets two sensors and writes a table to the registers of both at once, over two-wire buses
-// that share SCL. Does so again where one does not answer, or no pair of frames comes.
+// Resets two sensors and writes a table to the registers of both at once, over two-wire buses that
+// share SCL. Repeats this if a sensor does not answer, or if no pair of frames comes.
 //
-// Formula   for each entry of the table: start, address, register, high byte, low byte, stop.
-//           7-bit addresses 0x48, 0x4C, 0x58, 0x5C, the next one after each failure: those that a
-//           sensor's two address pins choose.
+// Formula   For each entry of the table: start, address, register, high byte, low byte, stop.
+//           The 7-bit addresses 0x48, 0x4C, 0x58, 0x5C, which a sensor's two address pins select,
+//           are tried in turn, the next one after each failure.
 // C++ twin  TwoWireSensor in test/rtl/link/sensor_port.hpp, the other end
-// Schedule  reset low for 1 ms, 1 ms of rest, the table at BitHz; a failure is tried again after
-//           100 ms, silence after TimeoutMs
+// Schedule  reset low for 1 ms, 1 ms of rest, the table at BitHz; retry 100 ms after a failure, or
+//           after TimeoutMs without frames
 // Latency   with 10 entries 6 ms after the reset
-// Handshake the table is combinational: index_o to register_i, value_i, last_i. frame_i: a pulse
-//           for each whole pair of frames. Lines are open drain: low where *_low_o, else the
-//           pull-up's.
-// Limits    A quarter of a bit is at least 4 clocks. A sensor that stretches the clock is not
-//           waited for. answered_o: bit k is high when sensor k acknowledged every byte of the
-//           last table; both must have.
+// Handshake The table is combinational: index_o to register_i, value_i, last_i. frame_i: a pulse
+//           for each whole pair of frames. Lines are open drain: low with *_low_o, otherwise pulled
+//           up.
+// Limits    A quarter of a bit is at least 4 clocks. Clock stretching is not supported. Bit k of
+//           answered_o is high if sensor k acknowledged every byte of the last table; both must.
 module fs_sensor_setup #(
   parameter int ClockHz = 100000000,
   parameter int BitHz = 100000,
@@ -31,7 +30,7 @@ module fs_sensor_setup #(
   // The pins.
   output logic        sensor_rst_no,
   output logic        scl_low_o,
-  output logic        sda_low_o,  // of both
+  output logic        sda_low_o,  // SDA of both sensors
   input  logic [1:0]  sda_i
 );
   localparam int RetryMs = 100;
@@ -62,7 +61,7 @@ module fs_sensor_setup #(
   localparam logic [5:0] LastBit = 6'd36, StopSlot = 6'd37;
   typedef enum logic [1:0] {Reset, Rest, Write, Run} state_e;
   state_e state_q;
-  logic [WaitBits-1:0] wait_q;  // ms, of which the first may be cut
+  logic [WaitBits-1:0] wait_q;  // ms; the first one may be shorter
   logic [5:0] slot_q;
   logic [1:0] phase_q;
   logic [35:0] shift_q;

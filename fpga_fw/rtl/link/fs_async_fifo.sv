@@ -1,25 +1,27 @@
-// FIFO between two streams (fs_stream_fifo.sv says what a stream is) of two clocks.
+// FIFO between two streams (defined in fs_stream_fifo.sv) in different clock domains.
 //
 // Formula   words out = words in
-// C++ twin  std::deque in test/rtl/link/async_fifo_test.cpp; fpga_fw/formal/async_fifo.sv proves it
-// Schedule  wr_clk 1     the word enters the memory, the write pointer moves on
-//           rd_clk 1..2  the pointer, as a Gray code, comes over: one of its bits changes per word,
-//                        so that what is seen is the old one or the new one
+// C++ twin  std::deque in test/rtl/link/async_fifo_test.cpp; proved by fpga_fw/formal/async_fifo.sv
+// Schedule  wr_clk 1     the word enters the memory, the write pointer advances
+//           rd_clk 1..2  the pointer crosses as a Gray code: one of its bits changes per word, so
+//                        the value seen is either the old one or the new one
 //           rd_clk 3     the word moves to the output register
-// Latency   3 clocks of rd_clk, 4 where the pointer comes late; one word per clock in and out. Room
-//           is seen likewise: with clocks of one speed, Depth of 16 is enough for a word per clock.
-// Handshake stream on both sides. wr_ready_o, rd_valid_o and rd_data_o are registers.
-// Reset     either one empties both sides; what is inside is lost, and rd_valid_o may fall without
-//           its word having moved. Nothing is taken or given until both sides have been emptied and
-//           both clocks run. One signal goes up and one comes back, each waiting for the other:
+// Latency   3 clocks of rd_clk, 4 if the pointer arrives late; one word per clock in and out. Freed
+//           room is seen with the same delay: with clocks of equal speed, a Depth of 16 suffices
+//           for a word per clock.
+// Handshake Stream on both sides. wr_ready_o, rd_valid_o and rd_data_o are registers.
+// Reset     Either reset empties both sides; the words inside are lost, and rd_valid_o may fall
+//           before its word has moved. No word is accepted or output until both sides have been
+//           emptied and both clocks run. One signal crosses in each direction, each waiting for the
+//           other:
 //             write  down -(read is down, no reset)-> rise -(read is up)-> run
 //                    run -(reset, or read asks)-> down
 //             read   down -(write is up, no reset)-> up -(write is down)-> down
 //                    up -(reset)-> asks -(write is down)-> down
-//           A pointer goes back to 0 only while the other side looks away. A reset may be one clock
-//           short, and come at any time.
-// Limits    Depth: a power of two, 4 or more; more than 64 words go into block RAM. Flip-flops
-//           start as 0, or both resets are low for some clocks of both.
+//           A pointer returns to 0 only while the other side ignores it. A reset may be as short as
+//           one clock, and come at any time.
+// Limits    Depth: a power of two, 4 or more; more than 64 words are in block RAM. Flip-flops start
+//           as 0, or both resets are low for some clocks of both.
 module fs_async_fifo #(
   parameter int Bits = 32,
   parameter int Depth = 512
@@ -40,7 +42,7 @@ module fs_async_fifo #(
   if (Depth < 4 || Depth != 1 << Address)
     initial $fatal(1, "fs_async_fifo: Depth is %0d, allowed: 4, 8, 16, ..", Depth);
 
-  // What each side sees of the other.
+  // Signals of each side as seen by the other.
   logic wr_up_q, rd_up_q, rd_ask_q;
   logic wr_up_seen, rd_up_seen, rd_ask_seen;
   logic [Pointer-1:0] wr_gray_q, rd_gray_q, wr_gray_seen, rd_gray_seen;
@@ -52,7 +54,7 @@ module fs_async_fifo #(
     .clk_i(rd_clk_i), .d_i({wr_up_q, wr_gray_q}), .q_o({wr_up_seen, wr_gray_seen})
   );
 
-  // Write side. ~up: down, up & ~run: rise, run: run.
+  // Write side, states: ~up: down; up & ~run: rise; run: run.
   logic wr_run_q, wr_run_d, wr_ready_q, push;
   logic [Pointer-1:0] wr_q, wr_d, wr_gray_d, full_gray;
   always_comb begin
@@ -60,7 +62,7 @@ module fs_async_fifo #(
     wr_run_d = wr_run_q ? wr_rst_ni & ~rd_ask_seen : wr_up_q & rd_up_seen;
     wr_d = ~wr_run_q & ~rd_up_seen ? '0 : wr_q + Pointer'(push);
     wr_gray_d = wr_d ^ (wr_d >> 1);
-    // Depth words ahead: the two highest bits differ.
+    // Full is Depth words ahead: the two highest bits of the Gray code differ.
     full_gray = rd_gray_seen ^ {2'b11, (Pointer - 2)'(0)};
   end
   always_ff @(posedge wr_clk_i) begin
@@ -72,8 +74,8 @@ module fs_async_fifo #(
   end
   assign wr_ready_o = wr_ready_q;
 
-  // Read side. ~up: down, up & ~ask: up, up & ask: asks. Write must have been seen up twice: then
-  // its pointer, which went to 0 before, has been seen, too.
+  // Read side, states: ~up: down; up & ~ask: up; up & ask: asks. Write must have been seen up
+  // twice: then its pointer, which returned to 0 earlier, has been seen as well.
   logic wr_up_seen_q, rd_up_d, rd_ask_d, pop, rd_valid_q;
   logic [Pointer-1:0] rd_q, rd_d;
   logic [Bits-1:0] rd_data_q;

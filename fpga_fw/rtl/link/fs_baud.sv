@@ -1,11 +1,12 @@
-// Ticks at a rate that does not divide the clock's.
+// Makes ticks at a rate that need not divide the clock's.
 //
 // Formula   ticks = floor(sum of step_i / ClockHz): step_i per second, each at most a clock late
-// C++ twin  none: test/rtl/link/uart_test.cpp counts them
-// Schedule  an accumulator from -ClockHz up: negative + step_i, else + step_i - ClockHz, and a tick
-// Latency   the first tick comes ceil(ClockHz / step_i) clocks behind the last clock with restart_i
+// C++ twin  none: test/rtl/link/uart_test.cpp counts the ticks
+// Schedule  an accumulator that starts at -ClockHz: adds step_i while negative, else adds
+//           step_i - ClockHz and gives a tick
+// Latency   the first tick comes ceil(ClockHz / step_i) clocks after the last clock with restart_i
 // Handshake none
-// Limits    step_i <= ClockHz < 2^30; 0: no ticks. A new step_i counts from two clocks later on.
+// Limits    step_i <= ClockHz < 2^30; 0: no ticks. A new step_i takes effect two clocks later.
 module fs_baud #(
   parameter int ClockHz = 100000000,
   parameter int StepBits = 26

@@ -1,10 +1,10 @@
-// Words of InBits, of which some bytes count, to bytes, the lowest first.
+// Splits words of InBits into their valid bytes, the lowest first.
 //
 // Formula   out = the bytes k of data_i with keep_i[k], k = 0, 1, ..
 // C++ twin  Ft245Chip::give() in test/rtl/link/ft245_chip.hpp
-// Schedule  a word is held until its last byte leaves; one without bytes goes by
+// Schedule  a word is held until its last byte leaves; a word without valid bytes is skipped
 // Latency   1 clock. One byte out per clock.
-// Handshake stream on both sides; with a path from ready_i to ready_o.
+// Handshake Stream on both sides, with a combinational path from ready_i to ready_o.
 // Limits    InBits 8 or 32
 module fs_byte_gearbox #(
   parameter int InBits = 8

@@ -1,15 +1,16 @@
-// Carries out the host's requests on the register bus and answers them.
+// Executes the host's requests on the register bus and answers them.
 //
 // Formula   link.md "Requests"
 // C++ twin  expected_answer() in test/rtl/system_rig.hpp
-// Schedule  read   per address: its four bytes, the bus, then address and value go into the answer
-//           write  per register: eight bytes, the bus; behind the last one the answer
+// Schedule  read   per address: its four bytes, the bus, then address and value into the answer
+//           write  per register: eight bytes, the bus; after the last one the answer
 //           mesh   as write, with MESH_ADDRESS first and MESH_DATA for every further word
-// Latency   a write is on the bus 9 clocks behind the first of its bytes, if they come in each clock.
-// Handshake in: a packet of fs_packet_finder, while packet_i is high; done_o when it is done with. Out:
-//           the words of fs_packetizer. Bus: read_valid_i and data_i some clocks behind read_o, for one
-//           read at a time; data_i stays until the next.
-// Limits    addresses of 8 bits; a larger one reads 0, and nothing is written there.
+// Latency   a write is on the bus 9 clocks after the first of its bytes if one byte comes per
+//           clock.
+// Handshake In: a packet of fs_packet_finder, while packet_i is high; done_o ends it. Out: the
+//           words for fs_packetizer. Bus: read_valid_i and data_i come some clocks after read_o,
+//           for one read at a time; data_i stays until the next read.
+// Limits    addresses of 8 bits; a larger one reads 0, and a write to it has no effect.
 module fs_commands (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -49,16 +50,16 @@ module fs_commands (
   logic [7:0] answer_q;     // type
   logic [15:0] answer_length_q;
   logic [31:0] why_q;
-  logic [10:0] left_q;      // bytes of payload
+  logic [10:0] left_q;      // bytes of payload left
   logic [31:0] collected_q;
   logic [1:0] byte_q;
   logic [2:0] head_q;       // words of the header
-  logic address_known_q;    // of a write: `address_q` holds it
+  logic address_known_q;    // of a write: address_q is complete
   logic [31:0] address_q;
   logic in_map, asked_q, got_q;
   assign in_map = address_q[31:8] == '0;
 
-  // Words go out through a register.
+  // The words for fs_packetizer are registered.
   logic go, send, last;
   logic [31:0] word;
   assign go = ~valid_o | ready_i;
@@ -161,7 +162,7 @@ module fs_commands (
           if (is_read_q | ~address_known_q) address_q <= {byte_i, collected_q[31:8]};
           if (is_mesh_q) address_q <= address_known_q ? 32'(fs_pkg::RegMeshData) :
                                                         32'(fs_pkg::RegMeshAddress);
-          // The address of a write is not yet all of it.
+          // The word was the address of a write; its value follows.
           address_known_q <= is_mesh_q | ~address_known_q;
           if (is_read_q | is_mesh_q | address_known_q) state_q <= Act;
         end
@@ -180,7 +181,7 @@ module fs_commands (
         end
       end
       Answer: begin
-        // The answer stands on the bus until the next read.
+        // data_i stays on the bus until the next read.
         got_q <= (got_q | read_valid_i) & ~go;
         if ((read_valid_i | got_q) & go) state_q <= left_q == '0 ? Flush : Collect;
       end

@@ -1,19 +1,20 @@
-// CRC-32C, some bits per step.
+// CRC-32C, several bits per step.
 //
-// Formula   link.md: polynomial 0x1EDC6F41, reflected. The register starts as all ones; what is sent
-//           is its inverse, low byte first. Over a message and the CRC behind it the register becomes
-//           Residue, which a test holds against the C++ one.
+// Formula   link.md: polynomial 0x1EDC6F41, reflected. The register starts as all ones; its inverse
+//           is sent, low byte first. Over a message followed by its CRC the register becomes
+//           Residue, which a test compares with the C++ value.
 // C++ twin  fpga_stereo::link::crc32c (src/link/packet.cpp)
-// Schedule  combinational: each bit of the next register is the parity of the bits of crc ^ data that
-//           a constant mask names. The masks are made here, so that no chain of steps is left.
-// Limits    Bits is 8 or 32; the low byte of data is the first one.
+// Schedule  combinational: each bit of the next register is the parity of those bits of crc ^ data
+//           that a constant mask selects. The masks are computed here, so no chain of steps
+//           remains.
+// Limits    Bits is 8 or 32; the low byte of data comes first.
 module fs_crc32c #(
   parameter int Bits = 32
 ) (
   input  logic [31:0]     crc_i,
   input  logic [Bits-1:0] data_i,
   output logic [31:0]     crc_o,
-  output logic            residue_o  // of crc_i: a message and its CRC have been taken
+  output logic            residue_o  // crc_i covers a message and its CRC
 );
   localparam logic [31:0] Reflected = 32'h82F63B78;
   localparam logic [31:0] Residue = 32'hB798B438;
@@ -25,7 +26,7 @@ module fs_crc32c #(
   endfunction
 
   logic [Bits-1:0] mixed;
-  logic [32*Bits-1:0] columns;  // what each bit of `mixed` does
+  logic [32*Bits-1:0] columns;  // effect of each bit of `mixed`
   assign mixed = crc_i[Bits-1:0] ^ data_i;
   for (genvar j = 0; j < Bits; j++) begin : g_column
     localparam logic [31:0] Column = stepped(32'd1 << j);

@@ -1,9 +1,10 @@
-// What has become known of the frames in flight, by frame.
+// Collects flags of the frames in flight, per frame.
 //
-// Formula   flag f of frame n is set if told_i[f] was high from the began_i of frame n on, up to the
+// Formula   flag f of frame n is set if told_i[f] was high between the began_i of frame n and the
 //           next one.
 // C++ twin  none
-// Schedule  the newest frame's flags are registers, those of older frames wait in a small memory.
+// Schedule  The flags of the newest frame are registers; those of older frames are in a small
+//           memory.
 // Latency   2 clocks from number_i, and from told_i, to flags_o.
 // Limits    MaxFrames as in fs_input.
 module fs_frame_flags #(

@@ -1,10 +1,11 @@
-// Makes the packets of a stream of what fs_frame_writer has put into its ring.
+// Turns what fs_frame_writer has put into the ring of a stream into packets.
 //
-// Formula   link.md "Frames": leader, rows (one row to a packet), trailer, all with the frame_id of the
-//           leader
-// C++ twin  fpga_stereo::link::pack(Leader), pack(Trailer), append_row (src/link/frame_assembler.cpp)
-// Schedule  a word per clock, if the words of the ring are there
-// Handshake in: kind of the next packet, and words of the ring, as streams; out: the words of
+// Formula   link.md "Frames": leader, rows (one row per packet), trailer, all with the frame_id of
+//           the leader
+// C++ twin  fpga_stereo::link::pack(Leader), pack(Trailer), append_row
+//           (src/link/frame_assembler.cpp)
+// Schedule  a word per clock if the words of the ring are available
+// Handshake In: kind of the next packet, and words of the ring, as streams; out: the words for
 //           fs_packetizer.
 module fs_frame_reader #(
   parameter logic [7:0] Stream = 8'd1,
@@ -31,7 +32,7 @@ module fs_frame_reader #(
   localparam logic [15:0] LeaderBytes = 16'd12, TrailerBytes = 16'd12;
   localparam int FirstOfPayload = 6;
 
-  logic [3:0] step_q;  // word of the packet, up to the second one of its payload; 8: all further ones
+  logic [3:0] step_q;  // word of the packet; 8: from the third of the payload on
   logic [63:0] id_q;
   logic [9:0] row_words_q, left_q;
   logic [11:0] row_q;
@@ -48,7 +49,7 @@ module fs_frame_reader #(
 
   always_comb begin
     needs = 1'b0;  // a word of the ring
-    uses = 1'b0;   // and is done with it
+    uses = 1'b0;   // and consumes it
     last = 1'b0;
     word = word_i;
     case (step_q)

@@ -1,15 +1,15 @@
-// One stream of frames: from the pixels of a tap to packets, through a ring in block RAM.
+// One stream of frames: turns the pixels of a tap into packets, through a ring in block RAM.
 //
 //   fs_frame_words -> fs_frame_writer -> ring -> fs_frame_reader
 //
-// Formula   link.md "Frames". A line that is too slow costs rows (FrameOverrun) or whole frames; both
-//           are dropped_o, and nothing of it reaches the next frame.
+// Formula   link.md "Frames". If the line is too slow, rows (FrameOverrun) or whole frames are
+//           dropped; dropped_o reports either. Nothing of a dropped frame reaches the next frame.
 // Latency   a row is sent when all of it is in the ring.
-// Handshake pixels in whenever valid_i is high. room_o: for what is on its way between fs_input and
-//           here, with a leader and a trailer; who obeys it drops nothing. Packets out: the words of
-//           fs_packetizer.
-// Limits    RingWords, a power of two, holds a row and Slack words more, or room_o might stay low for
-//           ever. At most MaxPackets packets in the ring.
+// Handshake Pixels in whenever valid_i is high. room_o: there is room for everything that is on its
+//           way between fs_input and here, plus a leader and a trailer; a sender that obeys it
+//           loses nothing. Packets out: the words for fs_packetizer.
+// Limits    RingWords, a power of two, must hold a row and Slack more words; otherwise room_o could
+//           stay low forever. At most MaxPackets packets in the ring.
 module fs_frame_source #(
   parameter logic [7:0] Stream = 8'd1,
   parameter int PixelBits = 16,  // 16: disparities; 8: grey values
@@ -38,8 +38,8 @@ module fs_frame_source #(
 );
   localparam int Bits = $clog2(RingWords);
   localparam int RowWords = (MaxWidth * PixelBits + 31) / 32;
-  localparam int Slack = 72;  // 32 that wait before the ring, 10 in the pipeline, 8, and some
-  localparam int Reserve = 4;  // a trailer, and a clock that the room is old
+  localparam int Slack = 72;  // 32 that wait before the ring, 10 in the pipeline, 8, and a margin
+  localparam int Reserve = 4;  // a trailer, and one clock by which the room is outdated
   localparam int LeaderWords = 6;
   localparam int MaxPackets = 32;
   if (RingWords != 1 << Bits || RingWords < RowWords + Slack + 8)
@@ -70,7 +70,7 @@ module fs_frame_source #(
     .dropped_o
   );
 
-  // The ring, read ahead up to what is complete.
+  // The ring, read ahead as far as packets are complete.
   logic [31:0] head;
   logic head_valid, head_ready;
   fs_ring_reader #(.Words(RingWords)) u_ring (
@@ -87,7 +87,7 @@ module fs_frame_source #(
     .valid_o(kind_valid), .ready_i(kind_ready), .data_o(kind), .count_o(packets)
   );
 
-  // Room: what is told is some clocks old, in which at most two words and a packet come.
+  // Room. The values are some clocks old; up to two words and one packet may come meanwhile.
   logic [Bits:0] used_q;
   logic few_packets, some_packets;
   assign few_packets = packets <= ($clog2(MaxPackets) + 1)'(MaxPackets / 2);

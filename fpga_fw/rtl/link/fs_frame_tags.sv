@@ -1,15 +1,17 @@
-// What belongs to a pair of images from the moment it begins at the input: which streams send it, its
-// id, its time, its size, the number of its configuration. The sources of later streams read it when
+// Stores what is known of a pair of images when it begins at the input: the streams that send it,
+// its id, timestamp, size and configuration id. The sources of later streams read these tags when
 // the frame reaches them.
 //
-// Formula   registers.md: STREAMS, FRAME_INTERVAL, MID_EXPOSURE, CONFIGURATION. One pair in `pairs` is
-//           sent; of those that are sent, one in `raw` with its raw images. A write of FRAME_INTERVAL
-//           begins anew with the next pair, and nothing begins without a host.
-// Schedule  frame_in_i  everything is taken; then a word per clock into the memory: Words of them
-//           req_i       of one source at a time: its words, one per clock, from 3 clocks later on
-// Handshake req_i is held until the last word has come: valid_o has a bit per source. The words are
-//           send (bit s for stream s), frame_id low, high, timestamp low, high, size, configuration.
-// Limits    MaxFrames as in fs_input: frames in flight. Frames begin Words clocks apart, or more.
+// Formula   registers.md: STREAMS, FRAME_INTERVAL, MID_EXPOSURE, CONFIGURATION. One in `pairs`
+//           pairs is sent; of those, one in `raw` is sent with its raw images. A write of
+//           FRAME_INTERVAL restarts the counting with the next pair. Without a host nothing is
+//           sent.
+// Schedule  frame_in_i  captures everything, then writes one word per clock into the memory: Words
+//           req_i       serves one source at a time: one word per clock, starting 3 clocks later
+// Handshake req_i is held until the last word has come; valid_o has one bit per source. The words
+//           are send (bit s for stream s), frame_id low, high, timestamp low, high, size,
+//           configuration.
+// Limits    MaxFrames as in fs_input: frames in flight. Frames begin at least Words clocks apart.
 module fs_frame_tags #(
   parameter int MaxFrames = 64,
   parameter int Sources = 5,
@@ -33,7 +35,7 @@ module fs_frame_tags #(
   input  logic                         interval_i,
   input  logic [23:0]                  mid_exposure_i,
   input  logic [31:0]                  configuration_i,
-  // Those who ask.
+  // Requests of the sources.
   input  logic [Sources-1:0]           req_i,
   input  logic [Sources*FrameBits-1:0] number_i,
   output logic [Sources-1:0]           valid_o,
@@ -43,8 +45,8 @@ module fs_frame_tags #(
   localparam logic [7:0] Raw =
       8'd1 << fs_pkg::StreamRawLeft | 8'd1 << fs_pkg::StreamRawRight;
 
-  // Which pairs are sent.
-  logic [15:0] pairs_q, raw_q;  // to be passed over before the next
+  // Decides which pairs are sent.
+  logic [15:0] pairs_q, raw_q;  // pairs to skip before the next one
   logic sends, sends_raw;
   assign sends = alive_i & pairs_q == '0;
   assign sends_raw = sends & raw_q == '0;
@@ -66,7 +68,7 @@ module fs_frame_tags #(
   logic [7:0] tag_send_q;
   logic [31:0] tag_configuration_q, tag_size_q;
   logic [FrameBits-1:0] write_frame_q;
-  logic [2:0] write_q;  // next word; Words: none
+  logic [2:0] write_q;  // next word; Words: idle
   logic [31:0] write_word;
   always_ff @(posedge clk_i) begin
     time_q <= us_i;
@@ -101,7 +103,7 @@ module fs_frame_tags #(
     endcase
   end
 
-  // Who asks, one after the other.
+  // Serves the requests one after the other.
   logic [Sources-1:0] turn_q, asking, first;
   logic [2:0] read_q;
   logic [FrameBits-1:0] read_frame;
@@ -121,7 +123,7 @@ module fs_frame_tags #(
       valid_o <= '0;
     end else begin
       if (turn_q == '0) begin
-        // Not whose last words are still on their way.
+          // Waits until the last words of the previous request are out.
         if (valid_1q == '0 & valid_o == '0) turn_q <= first;
         read_q <= '0;
       end else begin

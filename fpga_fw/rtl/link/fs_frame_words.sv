@@ -1,13 +1,14 @@
-// The pixels of a tap as words of 32 bits, and the signature of each frame.
+// Packs the pixels of a tap into words of 32 bits, and computes the signature of each frame.
 //
-// Formula   word = 32 / PixelBits pixels, the first in the low bits; a row ends with zeros up to a
-//           word. Signature as fs_signature.
-// C++ twin  append_row() in src/link/frame_assembler.cpp; image_signature() in src/core/signature.cpp
-// Schedule  a word enters the FIFO 1 clock behind its last pixel. signature_o is that of the frame of
-//           the last eof at the input, and stays up to the next one.
-// Handshake pixels in whenever valid_i is high; a stream of words out: sof, eol, eof are of the frame's
-//           first word, a row's last, the frame's last.
-// Limits    Depth words must be enough while the taker waits: nothing holds the pixels.
+// Formula   word = 32 / PixelBits pixels, the first in the low bits; a row is padded with zeros to
+//           a whole word. Signature as in fs_signature.
+// C++ twin  append_row() in src/link/frame_assembler.cpp; image_signature() in
+//           src/core/signature.cpp
+// Schedule  A word enters the FIFO 1 clock after its last pixel. signature_o belongs to the frame
+//           of the last eof at the input, and stays until the next one.
+// Handshake Pixels in whenever valid_i is high; a stream of words out: sof marks a frame's first
+//           word, eol a row's last, eof a frame's last.
+// Limits    Depth words must suffice while the reader waits: the pixels cannot be stalled.
 module fs_frame_words #(
   parameter int PixelBits = 8,  // or 16
   parameter int Depth = 32

@@ -1,18 +1,18 @@
-// Writes the frames of a stream into its ring, packet by packet: what is not whole is never seen
-// behind it.
+// Writes the frames of a stream into its ring, packet by packet. The reader sees complete packets
+// only.
 //
-// Formula   of a frame that is to be sent: a leader (frame_id low, high, timestamp low, high, size,
-//           configuration), its rows, a trailer ({flags, rows}, signature). Where there is no room for
-//           the leader the frame is dropped; where there is none for a row that row is taken back, and
-//           all of the frame but its trailer dropped. Either is one dropped_o.
-// Schedule  word with sof   req_o until all tags of the frame have come; what is sent of them is
-//                           written as it comes
+// Formula   Of a frame that is to be sent: a leader (frame_id low, high, timestamp low, high, size,
+//           configuration), its rows, a trailer ({flags, rows}, signature). Without room for the
+//           leader the frame is dropped; without room for a row, the row and the rest of the frame
+//           except for the trailer are dropped. Each case gives one dropped_o.
+// Schedule  word with sof   req_o until all tags of the frame have come; those to be sent are
+//                           written as they come
 //           word            a word a clock
-//           word with eof   behind it the two words of the trailer
-// Handshake stream of words in. A packet that is complete gives kind_valid_o for a clock, and then
-//           commit_o is behind it. Room is kept for trailers: room_i says that there are
-//           Reserve words and two packets more; it may be some clocks old.
-// Limits    flags of a frame count up to the clock of its trailer.
+//           word with eof   followed by the two words of the trailer
+// Handshake Stream of words in. kind_valid_o is high for a clock for each complete packet; commit_o
+//           then points to its end. Room is reserved for trailers: room_i says that Reserve more
+//           words and two more packets fit; it may be some clocks old.
+// Limits    Flags of a frame are taken in the clock of its trailer.
 module fs_frame_writer #(
   parameter logic [7:0] Stream = 8'd1,
   parameter int PointerBits = 11,
@@ -28,7 +28,7 @@ module fs_frame_writer #(
   input  logic                   eof_i,
   input  logic [31:0]            word_i,
   input  logic [31:0]            signature_i,
-  // Tags and flags of the frame that is written.
+  // Tags and flags of the frame being written.
   output logic                   req_o,
   output logic [FrameBits-1:0]   number_o,
   input  logic                   tag_valid_i,
@@ -41,8 +41,8 @@ module fs_frame_writer #(
   output logic [PointerBits-1:0] commit_o,
   output logic                   kind_valid_o,
   output logic [1:0]             kind_o,
-  input  logic                   room_i,         // for a word and a packet more
-  input  logic                   leader_room_i,  // for a leader, too
+  input  logic                   room_i,         // for a word and one more packet
+  input  logic                   leader_room_i,  // also for a leader
   output logic                   dropped_o
 );
   localparam logic [1:0] Leader = 2'd0, Rows = 2'd1, Trailer = 2'd2;
@@ -52,7 +52,7 @@ module fs_frame_writer #(
   logic [PointerBits-1:0] at_q;
   logic begun_q;     // the tags of the frame have come
   logic send_q;      // its packets are written
-  logic overrun_q;   // no more of its rows
+  logic overrun_q;   // drop the rest of its rows
   logic [2:0] tag_q;
   logic [11:0] rows_q;
 
@@ -84,7 +84,7 @@ module fs_frame_writer #(
   assign at_o = at_q;
   assign data_o = data;
 
-  // The row is taken back to where the last packet ended.
+  // A dropped row is taken back to the end of the last packet.
   always_ff @(posedge clk_i) begin
     kind_valid_o <= 1'b0;
     dropped_o <= 1'b0;

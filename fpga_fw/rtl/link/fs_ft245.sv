@@ -1,33 +1,33 @@
 // The FPGA's end of FTDI's synchronous 245 FIFO: FT232H (8 bit, 60 MHz), FT601 in its 245 mode
 // (32 bit, 100 MHz).
 //
-// Formula   what the chip gives is rx, what it is given is tx. At a rising clock
-//             a word has come   if RD# and RXF# are low
-//             a word has gone   if WR# and TXE# are low; otherwise it stays, and is offered again
-//           So a word that stands there while RXF# rises is none, and one that is offered while
-//           TXE# rises is kept. Names as in DS_FT232H and AN_130, DS_FT600Q-FT601Q.
+// Formula   rx is the data from the chip, tx the data to the chip. At a rising clock edge
+//             a word is received   if RD# and RXF# are low
+//             a word is sent       if WR# and TXE# are low; otherwise it is offered again
+//           So data that is present while RXF# rises is not a word, and a word that is offered
+//           while TXE# rises is kept. Names as in DS_FT232H and AN_130, DS_FT600Q-FT601Q.
 // C++ twin  Ft245Chip in test/rtl/link/ft245_chip.hpp, the other end
 // Schedule  Idle   nobody drives; at least one clock between directions, two after Write: the data
-//                  stay driven for one clock behind WR#, so that the chip's hold time is met
+//                  stay driven for one clock after WR#, to meet the chip's hold time
 //           Turn   OE# low: the chip drives
 //           Read   OE# and RD# low: a word per clock
 //           Write  WR# low, data driven: a word per clock
-//           A direction ends when its flag is high in two clocks in a row (one clock is borne), its
-//           stream has nothing or no room, or after Burst clocks if the other one waits. The other
-//           one is then next: neither can starve.
-// Latency   word to the chip: 4 clocks from tx to WR#; from the chip: 3 clocks to rx
-// Handshake streams. rx_keep_o: the bytes that count (BE of the FT601). siwu_no is low for 4 clocks
-//           when nothing was written for FlushClocks and something was before: the FT232H then
-//           sends a USB packet that is not full, and does not wait for its latency timer.
-// Timing    Outputs are flip-flops. RXF# and TXE# decide within the clock in which they come, as
-//           the formula has it, so that no word needs taking back. They and the data come late in
-//           the clock (FT232H: 9 ns of 16.7); the FT601 at 100 MHz may need clk_i from a PLL, moved
-//           to a later phase.
-// Limits    FT232H: its EEPROM says 245 FIFO; BE does not exist, be_i is 1. FT601: its FIFO mode is
-//           245, one channel; BE is driven as all ones; it is taken to send what is left when WR#
-//           rises, so its SIWU# stays high (FlushClocks = 0). clk_i is the chip's, which may stop
-//           at any time: then all stops, and goes on with it. Before the first clock the outputs
-//           are high, and nothing is driven.
+//           A direction ends when its flag is high in two consecutive clocks (one is tolerated),
+//           when its stream is empty or full, or after Burst clocks if the other direction waits.
+//           The other direction is then next: neither can starve.
+// Latency   to the chip: 4 clocks from tx to WR#; from the chip: 3 clocks to rx
+// Handshake Streams. rx_keep_o: the valid bytes (BE of the FT601). siwu_no is low for 4 clocks if
+//           nothing was written for FlushClocks after a write: the FT232H then sends a USB packet
+//           that is not full, without waiting for its latency timer.
+// Timing    Outputs are flip-flops. RXF# and TXE# take effect in the clock in which they arrive, as
+//           in the formula, so that no word has to be taken back. They and the data arrive late in
+//           the clock (FT232H: 9 ns of 16.7); the FT601 at 100 MHz may need clk_i from a PLL, with
+//           a later phase.
+// Limits    FT232H: its EEPROM must select 245 FIFO; it has no BE, be_i is 1. FT601: its FIFO mode
+//           must be 245, one channel; BE is driven as all ones; it is assumed to send the remaining
+//           data when WR# rises, so its SIWU# stays high (FlushClocks = 0). clk_i is the chip's and
+//           may stop at any time: everything stops and resumes with it. Before the first clock the
+//           outputs are high, and nothing is driven.
 module fs_ft245 #(
   parameter int DataBits = 8,
   parameter int Burst = 512,
@@ -63,7 +63,7 @@ module fs_ft245 #(
     initial $fatal(1, "fs_ft245: DataBits is %0d, allowed: 8, 32", DataBits);
   if (Burst < 1) initial $fatal(1, "fs_ft245: Burst is %0d, allowed: 1 or more", Burst);
 
-  // Initial values: the chip's clock comes late, and its inputs must be high until then.
+  // Initial values: the chip's clock starts late, and its inputs must be high until then.
   typedef enum logic [1:0] {Idle, Turn, Read, Write} state_e;
   state_e state_q, state_d;
   logic rd_n_q = 1'b1, wr_n_q = 1'b1, oe_n_q = 1'b1, siwu_n_q = 1'b1, data_oe_q = 1'b0;
@@ -85,7 +85,7 @@ module fs_ft245 #(
     full_q <= rst_ni & (head_valid | ~head_ready);
   end
 
-  // Which direction. A word that is read needs a place: four may be on their way.
+  // Direction. Every word that is read needs room; four may be on their way.
   logic [4:0] rx_count;
   logic room_q, stalled_q, was_read_q, burst_over_q, may_read, may_write;
   logic [BurstBits-1:0] burst_q;
@@ -126,7 +126,7 @@ module fs_ft245 #(
   assign data_o = data_q;
   assign be_o = '1;
 
-  // What has been read.
+  // The word that was read.
   logic in_valid_q, unused_ready;
   logic [KeepBits+DataBits-1:0] in_q;
   always_ff @(posedge clk_i) begin
@@ -139,7 +139,7 @@ module fs_ft245 #(
     .count_o(rx_count)
   );
 
-  // Send immediately.
+  // SIWU#: sends immediately.
   if (FlushClocks > 0) begin : g_flush
     localparam int FlushBits = $clog2(FlushClocks + 4);
     logic [FlushBits-1:0] idle_q;

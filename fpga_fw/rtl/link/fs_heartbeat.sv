@@ -1,8 +1,8 @@
-// Whether there is a host, and the packet that tells it of the board.
+// Detects whether a host is present, and sends the heartbeat.
 //
-// Formula   alive_o from an intact packet of the host until HostTimeoutMs without one. While it is
-//           high a heartbeat every HeartbeatMs, the first one at once.
-// Handshake packet: the words of fs_packetizer.
+// Formula   alive_o is high from an intact packet of the host until HostTimeoutMs pass without one.
+//           While it is high a heartbeat is sent every HeartbeatMs, the first one at once.
+// Handshake packet: the words for fs_packetizer.
 module fs_heartbeat (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -16,7 +16,7 @@ module fs_heartbeat (
 );
   localparam int HostBits = $clog2(fs_pkg::HostTimeoutMs + 1);
   localparam int BeatBits = $clog2(fs_pkg::HeartbeatMs);
-  localparam int Words = 6;  // up to the header's end
+  localparam int Words = 6;  // up to the end of the header
   logic [HostBits-1:0] silent_q;  // ms
   logic [BeatBits-1:0] beat_q;
   logic [2:0] word_q;

@@ -1,16 +1,17 @@
-// Pairs of images from the host, in the place of cameras.
+// Turns pairs of images from the host into the pixel stream, in place of the cameras.
 //
-// Formula   link.md "Frames", stream input: of each row the left image, then the right one. Rows come
-//           in order, one to a packet; what is missing when a later row, the trailer, another leader or
-//           the end comes (no host, or INPUT back at the cameras) is made up: of each such row one
-//           black pixel with eol, which fs_input fills up and flags as cut.
+// Formula   link.md "Frames", stream input: each row has the left image's pixels, then the right
+//           one's. Rows come in order, one per packet. Rows that are missing when a later row, the
+//           trailer, another leader or the end (no host, or INPUT back at the cameras) comes are
+//           filled in: one black pixel with eol per row, which fs_input pads and flags as cut.
 // C++ twin  HostInput test in test/rtl/system_input_test.cpp
 // Schedule  leader  its 12 bytes
-//           row     width bytes into a buffer, then of each further byte a pair of pixels
-// Handshake in: packets of fs_packet_finder while packet_i is high; done_o when it is done with. Out: the
-//           stream of fs_top. frame_id_o and timestamp_o stay until held_i is low: the frame has begun.
-// Limits    a leader must be of stream input, grey, 16 to 1280 x 1 to 1200; another is ignored, and
-//           so are rows and trailers that belong to no frame, and rows that came before.
+//           row     width bytes into a buffer, then a pair of pixels for each further byte
+// Handshake In: packets of fs_packet_finder while packet_i is high; done_o ends a packet. Out: the
+//           stream of fs_top. frame_id_o and timestamp_o stay until held_i is low: the frame has
+//           begun.
+// Limits    A leader must be of stream input, grey, 16 to 1280 x 1 to 1200; others are ignored, and
+//           so are rows and trailers that belong to no frame, and repeated rows.
 module fs_host_input (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -35,11 +36,11 @@ module fs_host_input (
   output logic [7:0]  left_o,
   output logic [7:0]  right_o,
   // The frame.
-  input  logic        held_i,   // its first pixel waits to begin, or those before
+  input  logic        held_i,   // a frame passed on, this or an earlier one, has not begun
   output logic        open_o,
   output logic [63:0] frame_id_o,
   output logic [63:0] timestamp_o,
-  output logic        error_o   // pulse: it lacked rows or its trailer
+  output logic        error_o   // pulse: the frame lacked rows or its trailer
 );
   localparam int LeaderBytes = 12;
   localparam int MaxWidth = fs_pkg::GatewareMaxWidth;
@@ -50,14 +51,14 @@ module fs_host_input (
   state_e state_q;
   logic open_q, lacks_q;
   logic [WidthBits-1:0] width_q, x_q, x_d;
-  logic [11:0] height_q, row_q, fill_q;  // rows that are done, to be reached
+  logic [11:0] height_q, row_q, fill_q;  // rows that are done; rows to fill up to
   logic [15:0] row_bytes_q;
   logic [8*LeaderBytes-1:0] leader_q;
   logic [3:0] count_q;
-  logic closes_q;  // behind the rows that are filled, the frame ends
-  logic packet_q;  // and the packet that led to this is judged again
+  logic closes_q;  // the frame ends after the filled rows
+  logic packet_q;  // the packet that caused this is judged again
 
-  // What the packet is, a clock after it came.
+  // Kind of the packet, registered.
   logic is_leader_q, is_rows_q, is_trailer_q, same_q, row_length_q, later_q, next_q;
   logic [15:0] leader_width, leader_height;
   logic leader_ok_q;
@@ -79,7 +80,7 @@ module fs_host_input (
                    leader_q[32+:8] == fs_pkg::FormatGrey;
   end
 
-  // The left row.
+  // Buffer of the left row.
   logic [7:0] row[0:2047];
   logic [7:0] left_q;
   logic go, take_left, take_right, last_x;
@@ -125,13 +126,13 @@ module fs_host_input (
       Judge: begin
         state_q <= Done;
         if (open_q & ((is_leader_q & ~same_q) | (is_trailer_q & same_q) | ~enable_i)) begin
-          // The trailer alone says that nothing is missing.
+          // Only a trailer says that nothing is missing.
           if (~is_trailer_q | ~same_q) lacks_q <= 1'b1;
           fill_q <= height_q;
           closes_q <= 1'b1;
           state_q <= Fill;
         end else if (is_leader_q & ~open_q & enable_i & length_i == 16'(LeaderBytes)) begin
-          // Its numbers take the place of those of the frame before.
+          // Waits while the outputs still belong to the previous frame.
           state_q <= held_i ? Judge : Take;
         end else if (is_rows_q & open_q & same_q & row_length_q & later_q) begin
           fill_q <= index_i[11:0];
@@ -178,7 +179,7 @@ module fs_host_input (
         open_q <= 1'b0;
         error_o <= lacks_q;
         lacks_q <= 1'b0;
-        // A trailer is done with; a leader begins the next frame.
+        // A trailer is done; a leader opens the next frame.
         state_q <= packet_q ? Wait : Idle;
       end
       default: state_q <= Idle;  // Done

@@ -1,12 +1,12 @@
-// Whose pixels fs_top gets: the cameras', or the host's. It changes between frames.
+// Selects the pixels for fs_top: the cameras' or the host's. Switches between frames.
 //
-// Formula   away from the cameras when the frame's last line has ended, or after SilenceMs without a
-//           pixel of a frame; away from the host when none of its frames is open. Either way not
-//           before every frame that was passed on has begun, for its tags say whose it was.
-//           The pixels of who is not chosen are dropped; those of a camera that has just been chosen
-//           begin with a frame.
+// Formula   Leaves the cameras when the frame's last line has ended, or after SilenceMs without a
+//           pixel of a frame; leaves the host when none of its frames is open. In both cases it
+//           first waits until every frame passed on has begun, because the tags record the source.
+//           Pixels of the source that is not selected are dropped; a camera that has just been
+//           selected starts with a whole frame.
 // C++ twin  none
-// Handshake streams. held_o: a frame was passed on that has not begun.
+// Handshake Streams. held_o: a frame was passed on that has not begun.
 // Limits    none
 module fs_input_select #(
   parameter int SilenceMs = 100
@@ -16,11 +16,11 @@ module fs_input_select #(
   input  logic        ms_i,
   input  logic        host_i,     // INPUT.host
   input  logic [11:0] height_i,
-  input  logic        open_i,     // a frame of the host is under way
+  input  logic        open_i,     // a frame of the host is in progress
   input  logic        frame_in_i, // a frame has begun
-  output logic        host_o,     // who is chosen
+  output logic        host_o,     // the host is selected
   output logic        held_o,
-  // The cameras, the host, and what is passed on: {sof, eol, left, right}.
+  // Cameras, host, and output: {sof, eol, left, right}.
   input  logic        camera_valid_i,
   output logic        camera_ready_o,
   input  logic [17:0] camera_i,
@@ -32,9 +32,9 @@ module fs_input_select #(
   output logic [17:0] data_o
 );
   localparam int SilenceBits = $clog2(SilenceMs + 1);
-  logic host_q, synced_q;       // chosen; a frame of the cameras has begun since
-  logic [11:0] lines_q;         // that the camera's frame lacks
-  logic [4:0] held_q;           // frames that have not begun
+  logic host_q, synced_q;       // host selected; a camera frame has begun since
+  logic [11:0] lines_q;         // lines that the camera's frame still lacks
+  logic [4:0] held_q;           // frames passed on that have not begun
   logic [SilenceBits-1:0] silence_q;
   logic between, wants, camera_sof, passes, moved, begins;
   assign camera_sof = camera_i[17];
@@ -62,7 +62,7 @@ module fs_input_select #(
       else if (ms_i & silence_q != SilenceBits'(SilenceMs)) silence_q <= silence_q + 1'b1;
       if (!host_q & moved) begin
         synced_q <= 1'b1;
-        // A line more for sof; one less for eol.
+        // sof sets the lines of the frame; eol takes one off.
         if (camera_sof) lines_q <= height_i - 12'(camera_i[16]);
         else if (camera_i[16] & lines_q != '0) lines_q <= lines_q - 12'd1;
       end

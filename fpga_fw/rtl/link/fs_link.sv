@@ -1,24 +1,24 @@
-// The board's end of the link: requests and frames of the host in, answers and frames out.
+// The board's end of the link: receives requests and frames of the host, sends answers and frames.
 //
 //   bytes  -> fs_packet_finder -> fs_commands   -> registers
 //                              -> fs_host_input -> fs_input_select -> pixels
 //   pixels -> fs_tap -> fs_frame_source, one for each stream -> fs_packetizer -> words
 //
 // Formula   fpga_fw/spec/link.md, fpga_fw/spec/registers.md
-// C++ twin  src/link/decoder.cpp, src/link/frame_assembler.cpp: its other end
+// C++ twin  src/link/decoder.cpp, src/link/frame_assembler.cpp: the host's end
 // Schedule  see the modules
-// Handshake rx: stream of bytes; tx: stream of words of 32 bits, the low byte first. With the cameras as
-//           input their pixels never wait for the line: rows and frames are dropped where it is too
-//           slow, and only what leaves the pipeline behind a frame waits (bubble_room_o). With the host
-//           as input room_o holds the whole pipeline.
-// Limits    RingRows rows of MaxWidth in the ring of each stream, or what a row and its packets need at
-//           least, rounded up to a power of two.
+// Handshake rx: stream of bytes; tx: stream of words of 32 bits, the low byte first. With the
+//           cameras as input their pixels never wait for the line. If the line is too slow, rows
+//           and frames are dropped; only the tail of a frame that is still in the pipeline waits
+//           (bubble_room_o). With the host as input, room_o holds the whole pipeline.
+// Limits    The ring of each stream has RingRows rows of MaxWidth, or the minimum for a row and its
+//           packets, rounded up to a power of two.
 module fs_link #(
   parameter int MaxWidth = 640,
   parameter int ClockHz = 100000000,
-  parameter logic [7:0] Streams = 8'h7E,  // that are built, bit s for stream s
+  parameter logic [7:0] Streams = 8'h7E,  // streams to build: bit s for stream s
   parameter int RingRows = 6,
-  parameter int MaxFrames = 64  // in flight in fs_top
+  parameter int MaxFrames = 64  // frames in flight in fs_top
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -75,7 +75,7 @@ module fs_link #(
   logic ms, alive;
   fs_time #(.ClockHz(ClockHz)) u_time (.clk_i, .rst_ni, .us_o(us), .ms_o(ms));
 
-  // What the host sends.
+  // Packets from the host.
   logic packet, done, intact, bad, lost, byte_valid, byte_ready;
   logic [7:0] version, kind, stream, payload;
   logic [15:0] length, index;
@@ -95,12 +95,12 @@ module fs_link #(
   assign byte_ready = of_frame ? input_ready : commands_ready;
   assign done = commands_done | input_done;
 
-  // What the packetizer sends: answers, heartbeats, frames.
+  // Clients of the packetizer: answers, heartbeats, frames.
   localparam int Clients = 2 + Sources;
   logic [Clients-1:0] client_valid, client_ready, client_last;
   logic [32*Clients-1:0] client_word;
 
-  // Requests. The registers of fs_top and those here answer 0 for each other's.
+  // Requests. The registers of fs_top and those of the link read 0 at each other's addresses.
   logic [31:0] link_data;
   logic link_read_valid;
   fs_commands u_commands (
@@ -133,7 +133,7 @@ module fs_link #(
     .last_o(client_last[1])
   );
 
-  // Whose pixels.
+  // Input: the cameras or the host.
   logic from_host, held, open, input_valid, input_pixel_ready;
   logic [17:0] input_pixel;
   logic [63:0] host_id, host_time;
@@ -168,7 +168,7 @@ module fs_link #(
     .valid_o(pixels_valid_o), .ready_i(pixels_ready_i), .data_o(pixels_o)
   );
 
-  // What is known of each frame.
+  // Tags and flags of each frame.
   logic [Sources-1:0] req, tag_valid;
   logic [Sources*FrameBits-1:0] number;
   logic [31:0] tag;
@@ -206,7 +206,7 @@ module fs_link #(
     .eof_o(tap_eof[2]), .pixel_o(tap[47:32])
   );
 
-  // A source for each stream, 1 to 5.
+  // One source per stream, 1 to 5.
   logic [Sources-1:0] source_room;
   for (genvar k = 0; k < Sources; k++) begin : g_source
     localparam int Tap = (k + 1) / 2;

@@ -2,13 +2,13 @@
 //
 // Formula   fpga_fw/spec/registers.md, group Link
 // C++ twin  fpga_stereo/core/spec.hpp
-// Schedule  clock 1 the bus is registered; clock 2 written, or read_valid_o and data_o: as fs_top
-// Handshake the bus of fs_top. An address that is none of these reads 0, as there: so the answers of
-//           both are joined by an OR.
+// Schedule  clock 1: the bus is registered; clock 2: written, or read_valid_o and data_o, as fs_top
+// Handshake The bus of fs_top. Other addresses read 0, in both, so the two answers are combined by
+//           an OR.
 // Limits    bits of STREAMS for streams that are not built stay 0.
 module fs_link_registers #(
   parameter int ClockHz = 100000000,
-  parameter logic [7:0] Streams = 8'h7E,  // that are built, bit s for stream s
+  parameter logic [7:0] Streams = 8'h7E,  // streams that are built: bit s for stream s
   parameter int Sources = 5
 ) (
   input  logic               clk_i,
@@ -23,7 +23,7 @@ module fs_link_registers #(
   output logic [7:0]         streams_o,
   output logic [15:0]        pairs_o,
   output logic [15:0]        raw_o,
-  output logic               interval_o,  // pulse: the two before were written
+  output logic               interval_o,  // pulse: pairs_o and raw_o were written
   output logic               host_o,
   output logic [23:0]        mid_exposure_o,
   output logic [31:0]        configuration_o,
@@ -44,7 +44,7 @@ module fs_link_registers #(
   logic [31:0] data_q;
   assign clear = write_q & address_q == fs_pkg::RegControl & data_q[fs_pkg::ControlClearLsb];
 
-  logic [2:0] dropped, dropped_q;  // frames, at once
+  logic [2:0] dropped, dropped_q;  // frames dropped in this clock
   always_comb begin
     dropped = '0;
     for (int k = 0; k < Sources; k++) dropped = dropped + 3'(dropped_i[k]);
@@ -81,7 +81,7 @@ module fs_link_registers #(
         mid_exposure_o <= data_q[fs_pkg::MidExposureUsLsb+:24];
       if (applied_i) configuration_o <= configuration_o + 32'd1;
     end
-    // What happens in the clock that clears counts.
+    // An event in the clock that clears is counted.
     dropped_total_q <= (clear | ~rst_ni ? '0 : dropped_total_q) + 32'(dropped_q);
     bad_total_q <= (clear | ~rst_ni ? '0 : bad_total_q) + 32'(bad_q);
     lost_total_q <= (clear | ~rst_ni ? '0 : lost_total_q) + (lost_q ? lost_count_q : '0);

@@ -1,13 +1,14 @@
-// The link over a serial line, 8N1: from the gateware's clock to the two pins.
+// The link over a serial line, 8N1: connects the gateware's streams to the two pins.
 //
 // Formula   the host reads the words of tx as bytes, the lowest first, and writes the bytes of rx
 // C++ twin  none: bytes out = bytes in
 // Schedule  tx  fs_word_gearbox, fs_uart_tx
 //           rx  fs_uart_rx, fs_stream_fifo
-// Latency   tx 4 clocks to the falling edge; rx 9 5/8 bits and 7 clocks behind it
-// Handshake streams. Same ports as fs_link_usb on the gateware's side; of one clock. There is no
-//           RTS/CTS: what comes while the FIFO is full is dropped, overrun_o. Pulses of a clock.
-// Limits    baud_i <= ClockHz / 32, up to 8,388,607; a change of it spoils the bytes under way.
+// Latency   tx: 4 clocks to the falling edge; rx: 9 5/8 bits and 7 clocks after it
+// Handshake Streams. The gateware's side has the same ports as fs_link_usb, in one clock domain.
+//           There is no RTS/CTS: bytes that arrive while the FIFO is full are dropped (overrun_o).
+//           framing_error_o and overrun_o are pulses of one clock.
+// Limits    baud_i <= ClockHz / 32, up to 8,388,607; changing it corrupts the bytes in transfer.
 module fs_link_uart #(
   parameter int ClockHz = 100000000,
   parameter int RxDepth = 16

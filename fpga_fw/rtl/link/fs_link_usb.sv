@@ -1,13 +1,13 @@
-// The link over FTDI's FIFO: from the gateware's clock to the chip's pins and back.
+// The link over FTDI's FIFO: connects the gateware's streams to the chip's pins.
 //
 // Formula   the host reads the words of tx as bytes, the lowest first, and writes the bytes of rx
 // C++ twin  none: bytes out = bytes in
 // Schedule  tx  fs_async_fifo (words), fs_word_gearbox (parts of DataBits), fs_ft245
-//           rx  fs_ft245, fs_async_fifo (words and the bytes that count), fs_byte_gearbox
-// Latency   tx about 9 clocks of usb_clk_i to WR#; rx about 4 of usb_clk_i and 4 of clk_i
-// Handshake streams. Same ports as fs_link_uart on the gateware's side.
-// Limits    A reset loses what is inside: so packets may come out cut. rst_ni comes over to
-//           usb_clk_i; it must be low for a few clocks of it, or until that clock begins to run.
+//           rx  fs_ft245, fs_async_fifo (words and their valid bytes), fs_byte_gearbox
+// Latency   tx: about 9 clocks of usb_clk_i to WR#; rx: about 4 of usb_clk_i and 4 of clk_i
+// Handshake Streams. The gateware's side has the same ports as fs_link_uart.
+// Limits    A reset discards the words inside, so packets may be cut. rst_ni is synchronised to
+//           usb_clk_i: it must be low for a few clocks of it, or until that clock begins to run.
 module fs_link_usb #(
   parameter int DataBits = 8,
   parameter int Burst = 512,

@@ -1,21 +1,22 @@
-// Finds intact packets in the bytes that come from the host, whatever a line did to them.
+// Finds intact packets in the bytes that come from the host, whatever the line did to them.
 //
-// Formula   link.md "Finding packets": look for sync; header CRC and length; payload CRC. Where one is
-//           wrong the search goes on one byte behind that sync, within what had been read.
-// C++ twin  fpga_stereo::link::Decoder (src/link/decoder.cpp): the same packets and the same counts,
-//           but that a packet of more than LinkMaxHostPayloadBytes is none here
-// Schedule  bytes go into a ring. A packet is read twice: once to see that it is intact, then its
-//           payload is handed on. What lies behind the sync stays in the ring until that is decided, so
-//           that reading can go back.
+// Formula   link.md "Finding packets": look for sync; header CRC and length; payload CRC. If one is
+//           wrong, the search continues one byte after that sync, within the bytes already read.
+// C++ twin  fpga_stereo::link::Decoder (src/link/decoder.cpp): finds the same packets and counts
+//           the same, except that packets of more than LinkMaxHostPayloadBytes are rejected here
+// Schedule  Bytes go into a ring. A packet is read twice: first to check that it is intact, then to
+//           hand on its payload. The bytes after the sync stay in the ring until the check is done,
+//           so that reading can go back.
 //             Sync     look for the sync word, a byte a clock
 //             Header   the rest of the header;  CheckHeader
 //             Payload  payload and its CRC;     CheckPayload
 //             Deliver  packet_o, payload bytes, until done_i
-// Latency   about 2 clocks per byte of payload; so half of the bytes that the clock could take.
-// Handshake bytes in: a stream. A packet stands on its ports while packet_o is high; its payload is a
-//           stream of bytes, of which the taker need not take all; done_i ends it.
-//           After SilenceMs without a byte what waits for its end is given up, as Decoder::give_up.
-// Limits    RingBytes, a power of two, holds more than the largest packet.
+// Latency   about 2 clocks per byte of payload: half of one byte per clock.
+// Handshake Bytes in: a stream. The fields of a packet are on the ports while packet_o is high; its
+//           payload is a stream of bytes, which may be left unread; done_i ends the packet.
+//           After SilenceMs without a byte a partial packet is discarded and its bytes are searched
+//           again, as Decoder::give_up does.
+// Limits    RingBytes, a power of two, is larger than the largest packet.
 module fs_packet_finder #(
   parameter int RingBytes = 8192,
   parameter int SilenceMs = 100
@@ -54,14 +55,14 @@ module fs_packet_finder #(
   if (RingBytes != 1 << Bits || RingBytes < fs_pkg::LinkMaxHostPayloadBytes + 64)
     initial $fatal(1, "fs_packet_finder: RingBytes is %0d, allowed: 8192, 16384, ..", RingBytes);
 
-  // Positions in the stream, with a bit more than the ring has: what comes next; what is taken next;
-  // the first byte that is not decided upon.
+  // Positions in the stream, one bit wider than a place in the ring: the next byte to write; the
+  // next byte to take; the first byte that is not yet decided.
   logic [Bits:0] write_q, at_q, base_q;
   logic write, ready_q;
   assign ready_o = ready_q;
   assign write = valid_i & ready_q;
 
-  // The ring, read ahead into a small FIFO.
+  // The ring, with read-ahead into a small FIFO.
   logic [7:0] head;
   logic rewind, head_valid, take;
   logic [Bits:0] to, unused_read;
@@ -76,18 +77,18 @@ module fs_packet_finder #(
       ready_q <= 1'b0;
     end else begin
       if (write) write_q <= write_q + 1'b1;
-      // A clock late: two bytes may come meanwhile.
+      // One clock late: two bytes may come meanwhile.
       ready_q <= write_q - base_q < (Bits + 1)'(RingBytes - 4);
       if (rewind) at_q <= to;
       else if (take) at_q <= at_q + 1'b1;
     end
   end
 
-  // Silence: the line could bring a byte and does not.
+  // Silence: there is room for a byte, and none comes.
   logic [SilenceBits-1:0] silence_q;
   logic silent, waits;
   assign silent = silence_q == SilenceBits'(SilenceMs);
-  assign waits = at_q == write_q;  // for a byte that has not come
+  assign waits = at_q == write_q;  // the next byte has not come
   always_ff @(posedge clk_i) begin
     if (!rst_ni | write | ~ready_q) silence_q <= '0;
     else if (ms_i & ~silent) silence_q <= silence_q + 1'b1;
@@ -96,7 +97,7 @@ module fs_packet_finder #(
   typedef enum logic [2:0] {Sync, Header, CheckHeader, Payload, CheckPayload, Deliver} state_e;
   state_e state_q, state_d;
   logic [1:0] matched_q;
-  logic [15:0] left_q;  // bytes of header, payload and CRC, payload to hand on
+  logic [15:0] left_q;  // bytes left of header, payload and CRC, or payload to deliver
   logic [8*(HeaderBytes-CrcBytes)-1:0] header_q;
   logic [31:0] header_crc_q, payload_crc_q, header_crc, payload_crc;
   logic header_right, payload_right, first, fits, give_up, bad;
@@ -113,7 +114,7 @@ module fs_packet_finder #(
   );
   logic [31:0] start_crc;
   logic unused_start;
-  // The register behind the first byte of a sync.
+  // CRC register after the first byte of a sync.
   fs_crc32c #(.Bits(8)) u_start (
     .crc_i(32'hFFFFFFFF), .data_i(fs_pkg::LinkSync[7:0]), .crc_o(start_crc), .residue_o(unused_start)
   );
@@ -183,7 +184,7 @@ module fs_packet_finder #(
       state_q <= state_d;
       if (state_d != Sync | rewind) matched_q <= 2'd0;
       else if (take) matched_q <= fits ? matched_q + 2'd1 : {1'b0, first};
-      // Up to the first byte of what may be a sync.
+      // Advances to the first byte that may begin a sync.
       if (rewind & state_d == Sync) base_q <= to;
       else if (state_q == Sync & take & (matched_q == 2'd0 | ~fits))
         base_q <= first ? at_q : at_q + 1'b1;
@@ -202,7 +203,7 @@ module fs_packet_finder #(
     endcase
   end
 
-  // The header's fields, by their offset.
+  // Fields of the header, by their offset.
   assign version_o = header_q[8*4+:8];
   assign type_o = header_q[8*5+:8];
   assign stream_o = header_q[8*7+:8];
@@ -214,7 +215,7 @@ module fs_packet_finder #(
   assign byte_valid_o = state_q == Deliver & head_valid & left_q != '0;
   assign byte_o = head;
 
-  // Sequence. Backwards: a packet that came twice or late, or a host that began anew.
+  // Sequence. A step backwards is a repeated or late packet, or a host that started again.
   logic [31:0] sequence_number, expected_q, gap;
   logic known_q;
   assign sequence_number = header_q[8*12+:32];

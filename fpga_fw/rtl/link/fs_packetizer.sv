@@ -1,13 +1,13 @@
-// Makes packets of what is to be sent: whose turn it is, sync, sequence, time and the CRCs.
+// Assembles packets: arbitrates between the clients and adds sync, sequence, time and the CRCs.
 //
 // Formula   link.md "Packets"
 // C++ twin  fpga_stereo::link::append_packet (src/link/packet.cpp)
-// Words     of a client: {stream, flags, type, version}, {index, length}, frame_id low, high,
-//           timestamp low, high, payload. The last word of the packet is marked. The time of a packet
-//           that is no leader is put in here, and is the clock's.
-// Schedule  a turn is given 2 clocks behind the end of a packet, then a word per clock
-// Handshake streams in and out. A client's packet is not interrupted: it should have its words ready.
-//           Clients 0 .. First - 1 go first, in this order; the others take turns.
+// Words     a client sends {stream, flags, type, version}, {index, length}, frame_id low, high,
+//           timestamp low, high, payload, and marks the last word of the packet. In packets other
+//           than leaders the timestamp is replaced by the board's clock.
+// Schedule  a client is selected 2 clocks after the end of a packet, then one word per clock
+// Handshake Streams in and out. A client's packet is not interrupted: it should have its words
+//           ready. Clients 0 .. First - 1 have priority, in this order; the others take turns.
 module fs_packetizer #(
   parameter int Clients = 7,
   parameter int First = 2
@@ -25,14 +25,14 @@ module fs_packetizer #(
 );
   typedef enum logic [2:0] {Idle, Sync, Kind, Length, Sequence, Tags, HeaderCrc, Payload} state_e;
   state_e state_q;
-  logic payload_crc_q;        // the last word is out: its CRC follows
+  logic payload_crc_q;        // the last word has been sent: its CRC follows
   logic [Clients-1:0] turn_q;
-  logic [1:0] tag_q;          // of frame_id and timestamp
+  logic [1:0] tag_q;          // index among the words of frame_id and timestamp
   logic leader_q, empty_q;
   logic [31:0] sequence_q, crc_q, crc, word;
   logic [63:0] time_q;
 
-  // Whose turn: among the first the lowest; of the others, that above who had it last, or the lowest.
+  // Selects a client: the lowest of the first ones; of the others, the next after the last served.
   logic [Clients-1:0] wanted, above, chosen, served_q;
   always_comb begin
     wanted = valid_i;
@@ -43,7 +43,7 @@ module fs_packetizer #(
                                                    : wanted & (~wanted + 1'b1);
   end
 
-  // The client's word, in a register.
+  // The client's word, registered.
   logic client_q, client_last_q, fetch, use_word, have_q;
   logic [31:0] client_word, client_word_q;
   logic client_valid, client_last;
@@ -124,7 +124,7 @@ module fs_packetizer #(
           turn_q <= chosen;
           client_q <= chosen != '0;
           if (chosen != '0) state_q <= Sync;
-          // All up to the chosen one have had their turn.
+          // The clients up to the chosen one have had their turn.
           if (chosen[Clients-1:First] != '0) served_q <= chosen | (chosen - 1'b1);
         end
         Sync: if (emit) state_q <= Kind;

@@ -1,13 +1,13 @@
-// A ring in block RAM that is read ahead, up to where it is complete.
+// A ring in block RAM with read-ahead, up to the end of the complete data.
 //
-// Formula   the words at read positions from 0 on, or from to_i on behind jump_i, up to end_i
+// Formula   the words at read positions from 0 on, or after jump_i from to_i on, up to end_i
 // C++ twin  none
-// Schedule  clock 1, 2 block RAM and its output register; clock 3 fs_stream_fifo
+// Schedule  clock 1, 2: block RAM and its output register; clock 3: fs_stream_fifo
 // Latency   3 clocks from end_i to valid_o
-// Handshake stream out. What was written stays until its place is written again; read_o is the
-//           next position to be read, which may be some words ahead of those that were taken.
-//           jump_i: what is read ahead is thrown away; valid_o is low in the next clock.
-// Limits    Words, a power of two. Positions have a bit more than a place in the ring.
+// Handshake Stream out. A written word stays until its place is written again; read_o is the next
+//           position to be read, which may be some words ahead of the words taken.
+//           jump_i discards the words read ahead; valid_o is low in the next clock.
+// Limits    Words is a power of two. A position has one bit more than a place in the ring.
 module fs_ring_reader #(
   parameter int Bits = 32,
   parameter int Words = 2048,

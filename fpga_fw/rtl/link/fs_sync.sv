@@ -1,11 +1,11 @@
-// Two flip-flops that bring signals from another clock.
+// Two flip-flops that bring signals from another clock domain.
 //
-// Formula   q_o = d_i, two clocks later, or three for a bit that changes as the clock comes
-// C++ twin  test/rtl/link/fs_sync.sv has such late bits
-// Schedule  clock 1 first flip-flop, which may be metastable; clock 2 second one
+// Formula   q_o = d_i, two clocks later; three for a bit that changes just at the clock edge
+// C++ twin  test/rtl/link/fs_sync.sv models such late bits
+// Schedule  clock 1: first flip-flop, which may be metastable; clock 2: second one
 // Latency   2 to 3 clocks
-// Handshake none. Each bit comes on its own: of a vector, one bit at most may change at a time.
-// Limits    d_i is a flip-flop of its own clock: what logic makes on its way to its value is seen.
+// Handshake None. Each bit arrives independently: only one bit of a vector may change at a time.
+// Limits    d_i must be a flip-flop of its own clock domain: glitches of logic would be sampled.
 module fs_sync #(
   parameter int Bits = 1
 ) (

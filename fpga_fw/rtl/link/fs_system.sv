@@ -1,10 +1,10 @@
-// The whole of a board but its pins: the stereo pipeline, and its end of the link.
+// A whole board without its pins: the stereo pipeline and the board's end of the link.
 //
 //   cameras -> fs_link -> fs_top -> fs_link -> words        bytes -> fs_link -> registers, pixels
 //
-// C++ twin  sim::SystemModel (fpga_fw/sim/system.hpp) is it, simulated
-// Handshake streams. The camera's pixels are held only by fs_top itself: while a configuration is taken
-//           over, and where a frame comes too soon behind another.
+// C++ twin  sim::SystemModel (fpga_fw/sim/system.hpp) simulates this module
+// Handshake Streams. Only fs_top itself stalls the cameras' pixels: while a configuration takes
+//           effect, and if a frame follows another one too soon.
 // Limits    see fs_top, fs_link
 module fs_system #(
   parameter int MaxWidth = 640,
@@ -16,8 +16,8 @@ module fs_system #(
   parameter int MeshNodes = 5120,
   parameter int Primitives = 0,
   parameter int ClockHz = 100000000,
-  parameter int Streams = 126,  // that are built, bit s for stream s
-  parameter int RingRows = 6    // of each stream
+  parameter int Streams = 126,  // streams to build: bit s for stream s
+  parameter int RingRows = 6    // rows in the ring of each stream
 ) (
   input  logic        clk_i,
   input  logic        rst_ni,
@@ -35,9 +35,9 @@ module fs_system #(
   input  logic        eol_i,
   input  logic [7:0]  left_i,
   input  logic [7:0]  right_i,
-  output logic [11:0] width_o,  // of the images, in effect
+  output logic [11:0] width_o,  // size of the images, in effect
   output logic [11:0] height_o,
-  // Frames that begin are asked for, and no configuration waits for an end of the one under way.
+  // A stream is on, and no configuration waits for the current frame to end.
   output logic        streaming_o
 );
   localparam int MaxFrames = 64;

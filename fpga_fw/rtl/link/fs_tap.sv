@@ -1,9 +1,9 @@
-// Where on its frame a pixel of a tap stands.
+// Computes the position of a tap's pixels in their frame.
 //
 // Formula   eol with every width_i-th pixel from sof on, eof with the last one of row height_i - 1
 // Latency   1 clock
-// Limits    frames are whole: the raster of fs_top has no others. width_i 16 or more: what is compared
-//           with is known late.
+// Limits    Frames are whole: the raster of fs_top has no others. width_i is 16 or more, as the
+//           values to compare with are registered.
 module fs_tap #(
   parameter int Bits = 8
 ) (
@@ -20,7 +20,7 @@ module fs_tap #(
   output logic            eof_o,
   output logic [Bits-1:0] pixel_o
 );
-  logic [11:0] left_q, rows_q, last_x_q;  // pixels to come in the row, rows behind it
+  logic [11:0] left_q, rows_q, last_x_q;  // pixels left in the row, rows left after it
   logic last_row_q;
   logic eol;
   assign eol = ~sof_i & left_q == 12'd1;

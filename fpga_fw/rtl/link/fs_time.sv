@@ -1,7 +1,8 @@
-// The board's clock: microseconds since the reset, and a pulse a millisecond.
+// The board's clock: microseconds since the reset, and a pulse every millisecond.
 //
-// Formula   us = floor(clocks * 10^6 / ClockHz), exactly: the part of a microsecond that is left over
-//           is carried on. A ClockHz below 10^6 (a simulation that is slow) counts some at once.
+// Formula   us = floor(clocks * 10^6 / ClockHz), exactly: the remaining fraction of a microsecond
+//           is carried over. With a ClockHz below 10^6 (a slow simulation) us advances in larger
+//           steps.
 // Latency   none
 module fs_time #(
   parameter int ClockHz = 100000000
@@ -16,7 +17,7 @@ module fs_time #(
 
   logic [31:0] part_q, part;
   logic carry;
-  logic [9:0] add_q;  // microseconds, at most 100 and 1
+  logic [9:0] add_q;  // microseconds, at most 100 + 1
   logic [10:0] in_ms_q, in_ms;
   assign part = part_q + 32'(Part);
   assign carry = part >= 32'(ClockHz);

@@ -5,7 +5,7 @@
 // Schedule  theirs
 // Latency   theirs
 // Handshake streams
-// Limits    theirs; baud_i <= ClockHz / 32, so that the receiver stands 3 %
+// Limits    theirs; baud_i <= ClockHz / 32, so that the receiver tolerates 3 %
 module fs_uart #(
   parameter int ClockHz = 100000000
 ) (

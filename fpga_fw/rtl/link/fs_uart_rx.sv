@@ -1,15 +1,15 @@
 // Receives bytes, 8N1.
 //
-// Formula   a low line begins a byte. Each bit is what two of three samples say, 3/8, 4/8 and 5/8
-//           into it. The first bit is high: it was a glitch, and nothing has come. The last one is
-//           low: the byte is dropped, framing_error_o, and the line must be high before the next
-//           byte. So a break (low for long) is one framing error.
+// Formula   A low level starts a byte. Each bit is the majority of three samples, taken 3/8, 4/8
+//           and 5/8 into the bit. If the start bit reads high, it was a glitch and is ignored. If
+//           the stop bit reads low, the byte is dropped with framing_error_o, and the line must be
+//           high before the next byte. So a break (line low for long) gives one framing error.
 // C++ twin  UartLine in test/rtl/link/uart_test.cpp, the other end
-// Schedule  fs_sync; ticks of 1/8 bit from the edge on; the next byte may begin from 5/8 of the
-//           last bit on, so that a sender may be faster than we are
+// Schedule  fs_sync; ticks of 1/8 bit from the edge on. The next byte may start from 5/8 of the
+//           stop bit on, so the sender may be faster than this receiver.
 // Latency   9 5/8 bits and 5 clocks from the edge to the byte
-// Handshake stream, of one byte: overrun_o if it has not moved when the next one has come; that one
-//           is dropped. Pulses of a clock.
+// Handshake A stream with room for one byte: if that byte has not moved when the next one is
+//           complete, the next one is dropped with overrun_o. Pulses of one clock.
 // Limits    baud_i <= ClockHz / 16; the sender's rate within 3 % of it at 32 clocks per bit or more
 module fs_uart_rx #(
   parameter int ClockHz = 100000000
@@ -32,8 +32,8 @@ module fs_uart_rx #(
     .clk_i, .restart_i(~busy_q), .step_i({baud_i, 3'd0}), .tick_o(tick)
   );
 
-  logic [2:0] eighth_q;   // of the bit, at the next tick, less one
-  logic [3:0] bit_q;      // 0: the first, 1 to 8: data, 9: the last
+  logic [2:0] eighth_q;   // eighth of the bit at the next tick, minus one
+  logic [3:0] bit_q;      // 0: start bit, 1 to 8: data, 9: stop bit
   logic [1:0] samples_q;
   logic [7:0] data_q;
   logic decide, value, done, start, valid_q;

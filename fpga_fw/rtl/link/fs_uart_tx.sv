@@ -1,11 +1,11 @@
-// Sends bytes, 8N1: low for a bit, eight bits from the lowest on, high for a bit.
+// Sends bytes, 8N1: a low start bit, eight bits from the lowest on, a high stop bit.
 //
 // Formula   a bit takes ClockHz / baud_i clocks on average, and each edge is at most a clock late
 // C++ twin  UartLine in test/rtl/link/uart_test.cpp, the other end
 // Schedule  ten bits in a shift register; the next byte follows without a gap
 // Latency   3 clocks from the byte to the falling edge
-// Handshake stream. ready_o: between bytes, and in the last clock of one.
-// Limits    baud_i <= ClockHz / 4. A change of it in the middle of a byte spoils that byte.
+// Handshake Stream. ready_o is high between bytes, and in the last clock of a byte.
+// Limits    baud_i <= ClockHz / 4. A change of it during a byte corrupts that byte.
 module fs_uart_tx #(
   parameter int ClockHz = 100000000
 ) (
@@ -18,9 +18,9 @@ module fs_uart_tx #(
   output logic        txd_o
 );
   logic busy_q, tick, last_q;
-  logic [3:0] bits_q;   // that are still to come behind this one
+  logic [3:0] bits_q;   // bits left after this one
   logic [8:0] shift_q;
-  logic txd_q = 1'b1;   // the line is high from the beginning on
+  logic txd_q = 1'b1;   // the line is high from the start
   fs_baud #(.ClockHz(ClockHz), .StepBits(23)) u_baud (
     .clk_i, .restart_i(~busy_q), .step_i(baud_i), .tick_o(tick)
   );

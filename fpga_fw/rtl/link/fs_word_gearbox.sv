@@ -1,10 +1,10 @@
-// Words of 32 bits to words of OutBits, the lowest byte first.
+// Splits words of 32 bits into words of OutBits, the lowest byte first.
 //
 // Formula   out = in[OutBits - 1 : 0], then the next OutBits, ..
 // C++ twin  put() in test/rtl/link/link_usb_test.cpp
 // Schedule  OutBits = 32: wires. Else a shift register, loaded as its last part leaves.
 // Latency   1 clock; 0 with OutBits = 32. One word out per clock.
-// Handshake stream on both sides; with a path from ready_i to ready_o.
+// Handshake Stream on both sides, with a combinational path from ready_i to ready_o.
 // Limits    OutBits 8 or 32
 module fs_word_gearbox #(
   parameter int OutBits = 8
@@ -23,7 +23,7 @@ module fs_word_gearbox #(
     initial $fatal(1, "fs_word_gearbox: OutBits is %0d, allowed: 8, 32", OutBits);
 
   if (Parts == 1) begin : g_wires
-    // The clock is not needed.
+    // Clock and reset are not needed.
     logic unused;
     assign unused = clk_i & rst_ni;
     assign valid_o = valid_i;
@@ -31,7 +31,7 @@ module fs_word_gearbox #(
     assign data_o = data_i[OutBits-1:0];
   end else begin : g_shift
     logic [31:0] data_q;
-    logic [Parts-1:0] left_q;  // a one for each part that is left
+    logic [Parts-1:0] left_q;  // a one for each remaining part
     assign ready_o = ~left_q[0] | (~left_q[1] & ready_i);
     assign valid_o = left_q[0];
     assign data_o = data_q[OutBits-1:0];
