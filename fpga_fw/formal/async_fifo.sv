@@ -1,16 +1,16 @@
-// Formal: fs_async_fifo is a queue, for any clocks, any data, any valid and ready, and any resets.
+// Formal: fs_async_fifo is a queue, for any clocks, data, valid, ready and resets.
 //
-// Time goes in steps. In a step each clock may rise or not (clk2fflogic makes that of the FIFO's
-// flip-flops), and late_sync.sv has the synchronisers' bits late. The flip-flops of this module go
-// with every step: x is what holds in this step, x_q what held in the one before. Flip-flops start
-// as 0.
+// Time advances in steps. In a step each clock may rise or not (clk2fflogic transforms the FIFO's
+// flip-flops accordingly), and late_sync.sv lets bits arrive late at the synchronisers. The
+// flip-flops of this module are clocked in every step: x is the value in this step, x_q that in the
+// previous one. Flip-flops start as 0.
 //
-// A model queue stands beside it; wires with the names that u_fifo's own get in Yosys when it is
-// flattened look into it.
+// A model queue runs in parallel. Wires named like u_fifo's signals in Yosys's flattened netlist
+// connect to those signals.
 module async_fifo #(
   parameter int Depth = 4,
   localparam int Bits = 2,
-  localparam int Most = Depth + 1,  // words inside
+  localparam int Most = Depth + 1,  // words inside, at most
   localparam int SizeBits = $clog2(Most + 1),
   localparam int Address = $clog2(Depth),
   localparam int Pointer = Address + 1
@@ -48,7 +48,7 @@ module async_fifo #(
   assign {read_up_1, ask_1} = \u_fifo.u_to_write.first [Pointer+1:Pointer];
   assign {read_up_2, ask_2} = \u_fifo.u_to_write.second [Pointer+1:Pointer];
 
-  // What happens in this step was decided by what held in the one before.
+  // The events of this step were determined by the values in the previous step.
   logic wr_clk_q, rd_clk_q, wr_rise, rd_rise, push_q, pop_q, held_q, wr_rst_nq, rd_rst_nq, run_q;
   logic [Bits-1:0] wr_data_q, rd_data_q;
   logic push, pop;
@@ -69,7 +69,7 @@ module async_fifo #(
     run_q <= run;
   end
 
-  // The model: the oldest word first. Empty while the read side is down.
+  // The model, the oldest word first. Empty while the read side is down.
   logic [SizeBits-1:0] size_q, size;
   logic [Bits*Most-1:0] queue_q, queue;
   always_comb begin
@@ -79,7 +79,8 @@ module async_fifo #(
       if (push & size == SizeBits'(i)) queue[Bits*i+:Bits] = wr_data_q;
     size = read_up ? size + SizeBits'(push) : '0;
   end
-  // A reset since the FIFO was empty; one of a side with words inside that have not been lost yet.
+  // calm: no reset since the FIFO was empty. dirty: a side was reset, and its words are not yet
+  // discarded.
   logic calm_q, calm, wr_dirty_q, wr_dirty, rd_dirty_q, rd_dirty;
   logic [2:0] reached_q;
   assign calm = (calm_q | (up & ~run & ~read_up)) & ~(wr_rise & ~wr_rst_nq) &
@@ -95,24 +96,24 @@ module async_fifo #(
     reached_q <= reached_o;
   end
 
-  // Nothing is lost, doubled or set out of order: what comes out is the model's oldest word.
+  // No word is lost, duplicated or reordered: the output is the model's oldest word.
   always_comb if (rd_valid_o) begin
     p_nothing_from_nothing: assert (size != '0);
     p_oldest_word: assert (rd_data_o == queue[Bits-1:0]);
   end
   always_comb if (read_up & ~ask) p_no_overflow: assert (size <= SizeBits'(Most));
-  // The rules of a stream, but for resets.
+  // The rules of a stream, except during resets.
   always_comb if (held_q & read_up & ~ask) begin
     p_valid_stays: assert (rd_valid_o);
     p_payload_stays: assert (rd_data_o == rd_data_q);
   end
-  // A reset of either side empties both before anything is taken or given again; nothing else does.
+  // A reset of either side empties both before any word moves again; nothing else empties them.
   always_comb if (wr_dirty) p_reset_of_write_empties: assert (~wr_ready_o);
   always_comb if (rd_dirty) p_reset_of_read_empties: assert (~rd_valid_o);
   always_comb if (run_q & ~run) p_only_a_reset_empties: assert (~calm);
   always_comb if (push & ~rd_dirty) p_taken_when_both_are_up: assert (read_up);
 
-  // What induction needs. The signals that ask and answer: one change at most is on its way round.
+  // Invariants for induction. The request and answer signals: at most one change is in progress.
   logic [6:0] ring;
   logic [2:0] changes;
   assign ring = {up, up_1, up_2, up_3, read_up, read_up_1, read_up_2};
@@ -130,7 +131,7 @@ module async_fifo #(
     i_rd_dirty: assert (~rd_dirty | ask);
     i_calm: assert (~calm | (~ask & ~ask_1 & ~ask_2 & up));
   end
-  // Pointers, as seen from each side: in order, and Depth apart at most.
+  // Pointers, as each side sees them: in order, and at most Depth apart.
   function automatic [Pointer-1:0] binary(input [Pointer-1:0] gray);
     for (int i = Pointer - 1; i >= 0; i--)
       binary[i] = i == Pointer - 1 ? gray[i] : gray[i] ^ binary[i+1];
@@ -192,6 +193,6 @@ module async_fifo #(
   end
   always_comb if (read_up & ~ask) i_words: assert (&same);
 
-  // That all this can happen at all.
+  // Cover: these events are reachable.
   assign reached_o = reached_q | {pop, wr_dirty, run & size == SizeBits'(Most)};
 endmodule

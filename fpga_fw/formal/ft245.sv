@@ -1,8 +1,8 @@
-// Formal: fs_ft245 keeps the rules of the bus, loses no word that the chip gives and takes back
-// none that it has offered, whatever the chip does with its flags, and for any streams. Its FIFOs
-// are fs_stream_fifo, which stream_fifo.sv proves.
+// Formal: fs_ft245 obeys the rules of the bus, loses no word from the chip and withdraws none that
+// it has offered, for any behaviour of the chip's flags and any streams. stream_fifo.sv proves its
+// FIFOs, fs_stream_fifo.
 //
-// Wires with the names that those of u_ft245 get in Yosys when it is flattened look into it.
+// Wires named like u_ft245's signals in Yosys's flattened netlist connect to those signals.
 module ft245 #(
   parameter int Burst = 5
 ) (
@@ -32,12 +32,12 @@ module ft245 #(
   (* hierconn *) wire [1:0] \u_ft245.state_q ;
   localparam logic [1:0] Idle = 2'd0, Turn = 2'd1, Read = 2'd2, Write = 2'd3;
 
-  // It starts with a reset; more of them may come.
+  // Starts with a reset; further resets may come.
   logic started_q = 1'b0;
   always_ff @(posedge clk_i) started_q <= 1'b1;
   always_comb assume (started_q | ~rst_ni);
 
-  // The clock before.
+  // Values in the previous clock.
   logic rd_nq, wr_nq, oe_nq, data_oe_q, taken_q, loads_q, held_q, was_rst_nq;
   logic seen_q = 1'b0;
   logic [1:0] idle_reads_q, idle_writes_q, idle_reads, idle_writes;
@@ -61,7 +61,7 @@ module ft245 #(
     idle_writes_q <= started_q ? idle_writes : 2'd0;
   end
 
-  // The bus: one drives, and nobody does for a clock between.
+  // The bus: at most one side drives, with a clock in between in which nobody drives.
   always_comb if (started_q) p_one_drives: assert (~(data_oe_o & ~oe_no));
   always_comb if (seen_q) begin
     p_nobody_drives_between: assert (~(data_oe_o & ~oe_nq) & ~(data_oe_q & ~oe_no));
@@ -74,18 +74,18 @@ module ft245 #(
     p_few_reads_of_nothing: assert (idle_reads <= 2'd2);
     p_few_writes_to_nobody: assert (idle_writes <= 2'd2);
   end
-  // Words from the chip: those of clocks with RD# and RXF#, and each finds room.
+  // Words from the chip: those of clocks with RD# and RXF# low; each finds room.
   always_comb if (seen_q) p_words_read: assert (\u_ft245.in_valid_q == taken_q);
   always_comb if (seen_q & taken_q) p_data_read: assert (\u_ft245.in_q == {1'b1, data_q});
   always_comb if (started_q & \u_ft245.in_valid_q ) p_no_word_lost: assert (\u_ft245.unused_ready );
-  // Words to the chip: offered words are words, stay until they are taken, and are followed by the
-  // next of the stream.
+  // Words to the chip: every offered word is valid, stays until it is taken, and is followed by the
+  // next word of the stream.
   always_comb if (started_q & ~wr_no) p_a_word_is_offered: assert (\u_ft245.full_q );
   always_comb if (seen_q & held_q) p_word_stays: assert (\u_ft245.full_q & data_o == data_out_q);
   always_comb if (seen_q & loads_q) p_next_word: assert (\u_ft245.full_q & data_o == head_data_q);
   always_comb if (seen_q & was_rst_nq & ~held_q & ~loads_q) p_not_twice: assert (~\u_ft245.full_q );
 
-  // What induction needs.
+  // Invariants for induction.
   logic [4:0] on_the_way, before_q;
   logic reads;
   assign reads = ~rd_no;
@@ -104,12 +104,12 @@ module ft245 #(
     i_stalled_read: assert (rd_no | idle_reads_q <= 2'(\u_ft245.stalled_q ));
     i_stalled_write: assert (wr_no | idle_writes_q <= 2'(\u_ft245.stalled_q ));
     i_count_grows: assert (~was_rst_nq | \u_ft245.rx_count <= before_q + 5'd1);
-    // Room for those that are on their way, the one of this clock and the one of the next.
+    // Room for the words on their way: the one of this clock and the one of the next.
     i_on_the_way: assert (\u_ft245.rx_count + on_the_way <= 5'd16 - 5'(\u_ft245.room_q ));
     i_turn_room: assert (\u_ft245.state_q != Turn | \u_ft245.rx_count + on_the_way < 5'd15);
   end
 
-  // That all this can happen at all.
+  // Cover: these events are reachable.
   always_ff @(posedge clk_i) begin
     if (~rst_ni) reached_o <= '0;
     else reached_o <= reached_o | {~siwu_no, ~rd_no & ~\u_ft245.room_q , held_q & ~wr_nq, taken_q};

@@ -1,8 +1,8 @@
-// Formal: what fs_input makes of any stream is a raster, for any width and height, any room, and
-// any time at which frames leave the pipeline and configurations come.
+// Formal: fs_input turns any stream into a raster, for any width and height, any room, and any
+// times at which frames leave the pipeline and configurations come.
 //
-// A model of the raster stands beside it; wires with the names that u_input's own get in Yosys when
-// it is flattened look into it.
+// A model of the raster runs in parallel. Wires named like u_input's signals in Yosys's flattened
+// netlist connect to those signals.
 module input_raster #(
   parameter int MinRows = 3,
   parameter int MaxFrames = 8
@@ -41,18 +41,18 @@ module input_raster #(
   (* hierconn *) wire [FrameBits-1:0] \u_input.in_flight_q ;
   (* hierconn *) wire [RowBits-1:0] \u_input.rows_q ;
 
-  // It starts with a reset; more of them may come.
+  // Starts with a reset; further resets may come.
   logic started_q = 1'b0;
   always_ff @(posedge clk_i) started_q <= 1'b1;
   always_comb assume (started_q | ~rst_ni);
 
-  // The raster, and where on it the next tick must be.
+  // The raster, and the expected position of the next tick.
   logic tick, row_end, frame_end, begins;
-  logic [11:0] x_q, y_q;         // of the next tick
-  logic open_q, row_valid_q;     // within a frame; what the row under way is
-  logic spaced_q;                // MinRows rows have begun since the last frame did
+  logic [11:0] x_q, y_q;         // position of the next tick
+  logic open_q, row_valid_q;     // inside a frame; kind of the current row
+  logic spaced_q;                // MinRows rows have begun since the last frame began
   logic [RowBits-1:0] rows_q;
-  logic [FrameBits-1:0] complete_q;  // frames all of which is in the pipeline
+  logic [FrameBits-1:0] complete_q;  // frames that are entirely in the pipeline
   logic [11:0] last_x, last_y;
   assign last_x = width_i - 12'd1;
   assign last_y = height_i - 12'd1;
@@ -85,8 +85,8 @@ module input_raster #(
     complete_q <= rst_ni ? complete : '0;
   end
 
-  // The surroundings: a configuration in range that changes with apply_o only; a frame leaves the
-  // pipeline when all of it is inside.
+  // Environment: a configuration is in range and changes only with apply_o; a frame leaves the
+  // pipeline only when all of it is inside.
   logic same;
   assign same = width_i == was_width_q & height_i == was_height_q;
   always_comb begin
@@ -96,15 +96,15 @@ module input_raster #(
     assume (~frame_out_i | complete_q != '0);
   end
 
-  // Rows of exactly width ticks, each all of a frame or all bubbles; frames of exactly height rows.
+  // Rows of exactly width ticks, all of a frame or all bubbles; frames of exactly height rows.
   always_comb if (started_q & tick) p_sol: assert (sol_o == (x_q == '0));
   always_comb if (started_q & tick & x_q != '0) p_row_of_one_kind: assert (valid_o == row_valid_q);
   always_comb if (started_q & tick & sof_o) p_sof: assert (sol_o & valid_o & ~open_q);
   always_comb if (started_q & tick & sol_o) p_valid: assert (valid_o == (open_q | sof_o));
   always_comb if (started_q & begins) p_distance: assert (spaced_q);
-  // A tick was decided upon when there was room.
+  // Every tick was decided on while there was room.
   always_comb if (started_q & tick) p_room: assert (room_q);
-  // Resets of the stages, and configurations.
+  // Resets of the stages; changes of the configuration.
   always_comb if (started_q & ~stage_rst_no & ~reset_q)
     p_reset: assert (en_o & ~valid_o & ~sof_o & ~sol_o);
   always_comb if (started_q & reset_q) p_no_tick_in_reset: assert (~en_o & ~stage_rst_no);
@@ -117,7 +117,8 @@ module input_raster #(
   always_comb if (started_q & (open_q | begins)) p_never_too_many: assert (complete_q != '1);
   always_comb if (started_q) p_busy: assert (busy_o == (\u_input.in_flight_q != '0));
 
-  // What induction needs: fs_input's state is the model's, but for the tick that is on the raster.
+  // Invariants for induction: fs_input's state equals the model's, except for the tick on the
+  // raster.
   logic [11:0] next_x, next_y;
   assign next_x = row_end ? '0 : x_q + 12'(tick);
   assign next_y = begins ? '0 : y_q;
@@ -166,7 +167,7 @@ module input_raster #(
       \u_input.spaced_q == (~begins & (spaced_q | (row_end & rows_q == RowBits'(MinRows - 1)))) |
       ~stage_rst_no);
 
-  // That all this can happen at all.
+  // Cover: these events are reachable.
   always_ff @(posedge clk_i) begin
     if (~rst_ni) reached_o <= '0;
     else reached_o <= reached_o | {apply_o & row_valid_q, cut_frame_o, long_frame_o,

@@ -1,5 +1,5 @@
-// Formal: fs_sync for two clocks, in the steps of async_fifo.sv. A bit that changes in the step in
-// which the clock rises is seen as it was, or as it is; each bit on its own.
+// Formal: replaces fs_sync for two clocks, in the steps of async_fifo.sv. A bit that changes in the
+// step in which the clock rises is seen with its old or its new value; each bit independently.
 module fs_sync #(
   parameter int Bits = 1
 ) (
@@ -14,7 +14,7 @@ module fs_sync #(
   assign first = rise ? (late & d_q) | (~late & d_i) : first_q;
   assign second = rise ? first_q : second_q;
   assign q_o = second;
-  // Every step, whatever the clock does: this module is not one of those that clk2fflogic changes.
+  // Clocked in every step, whatever the clock does: clk2fflogic does not transform this module.
   always_ff @(posedge clk_i) begin
     clk_q <= clk_i;
     d_q <= d_i;

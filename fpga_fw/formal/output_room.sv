@@ -1,8 +1,7 @@
-// Formal: no word of fs_output is ever lost, for any raster whose ticks were decided upon while
-// there was room (input_raster: p_room), any configuration and any ready; and its stream keeps the
-// rules.
+// Formal: fs_output loses no word, for any raster whose ticks were decided on while there was room
+// (input_raster: p_room), any configuration and any ready; and its stream obeys the rules.
 //
-// Wires with the names that u_output's own get in Yosys when it is flattened look into it.
+// Wires named like u_output's signals in Yosys's flattened netlist connect to those signals.
 module output_room #(
   parameter int EnableClocks = 0
 ) (
@@ -34,15 +33,15 @@ module output_room #(
   (* hierconn *) wire [4:0] \u_output.count ;
   (* hierconn *) wire [19:0] \u_output.word_q ;
 
-  // It starts with a reset; more of them may come.
+  // Starts with a reset; further resets may come.
   logic started_q = 1'b0;
   always_ff @(posedge clk_i) started_q <= 1'b1;
   always_comb assume (started_q | ~rst_ni);
 
-  // A tick in this clock was decided upon in the clock before, and EnableClocks earlier.
+  // A tick in this clock was decided on EnableClocks + 1 clocks ago.
   logic held_q;
   logic [19:0] held_word_q;
-  logic [EnableClocks:0] rooms_q;  // [k]: decided upon k clocks earlier
+  logic [EnableClocks:0] rooms_q;  // [k]: room_o k + 1 clocks ago
   always_comb assume (~(en_i & stage_rst_ni) | rooms_q[EnableClocks]);
   always_ff @(posedge clk_i) begin
     rooms_q <= rst_ni ? (EnableClocks + 1)'({rooms_q, room_o}) : '0;
@@ -62,8 +61,8 @@ module output_room #(
     p_bad_with_eof_only: assert (~\u_output.word_q [19] | \u_output.word_q [18]);
   end
 
-  // What induction needs: the words that are on their way have room; the fewer, the later there was
-  // none.
+  // Invariants for induction: the words on their way have room; the more recently there was
+  // room, the fewer they are.
   always_comb if (started_q) i_count: assert (\u_output.count <= 5'd16);
   logic [4:0] words, most;
   assign words = \u_output.count + 5'(\u_output.push_q );
@@ -74,7 +73,7 @@ module output_room #(
   end
   always_comb if (started_q) i_on_the_way: assert (words <= most);
 
-  // That all this can happen at all.
+  // Cover: these events are reachable.
   always_ff @(posedge clk_i) begin
     if (~rst_ni) reached_o <= '0;
     else reached_o <= reached_o | {\u_output.count > 5'd13, frame_out_o, ~room_o & rooms_q[0]};

@@ -1,9 +1,9 @@
-// Formal: the configuration in effect changes only in the clock behind apply_o, all of it at once,
-// to what the shadow was when CONTROL.apply was written, always in range, and never while a frame
-// is in flight: fs_registers and fs_input, for any use of the bus and any stream.
+// Formal: fs_registers and fs_input, for any use of the bus and any stream. The configuration in
+// effect changes only in the clock after apply_o, all of it at once, to the shadow as it was when
+// CONTROL.apply was written, always in range, and never while a frame is in flight.
 //
-// Wires with the names that those of u_input and u_registers get in Yosys when they are flattened
-// look into them.
+// Wires named like the signals of u_input and u_registers in Yosys's flattened netlist connect to
+// those signals.
 module shadow_swap #(
   parameter int MaxWidth = 640,
   parameter int LineRows = 32
@@ -63,13 +63,13 @@ module shadow_swap #(
   (* hierconn *) wire [7:0] \u_input.hold_q ;
   (* hierconn *) wire [FrameBits-1:0] \u_input.in_flight_q ;
 
-  // It starts with a reset; more of them may come.
+  // Starts with a reset; further resets may come.
   logic started_q = 1'b0;
   always_ff @(posedge clk_i) started_q <= 1'b1;
   always_comb assume (started_q | ~rst_ni);
 
-  // Frames: in flight from the tick of their first pixel until they leave the pipeline, which they
-  // do when all of them is inside.
+  // A frame is in flight from the tick of its first pixel until it leaves the pipeline. It leaves
+  // only when all of it is inside.
   logic begins, was_frame_q, ended;
   logic [FrameBits-1:0] complete_q, complete;
   assign begins = en & stage_rst_n & sof;
@@ -83,11 +83,11 @@ module shadow_swap #(
   logic in_flight, was_in_flight_q;
   assign in_flight = complete_q != '0 | ended | \u_input.frame_q | begins;
 
-  // Everything that the stages see.
+  // Everything that the stages see of the configuration.
   logic [97:0] all, all_q;
   assign all = {width, height, read_pixels, read_rows, left_right_check, uniqueness_check, subpixel,
                 disp12_max_diff, uniqueness, speckle_size, speckle_range, bank};
-  logic [255:0] asked_q, shadow_q;  // the shadow when CONTROL.apply was written, and a clock ago
+  logic [255:0] asked_q, shadow_q;  // at the write of CONTROL.apply; a clock ago
   logic asks, apply_q, pending_q, reset_q, written_q, bank_q;
   assign asks = write_i & address_i == fs_pkg::RegControl & data_i[fs_pkg::ControlApplyLsb];
   logic [11:0] shadow_width, shadow_height, shadow_pixels;
@@ -129,7 +129,7 @@ module shadow_swap #(
   end
   always_comb if (started_q & apply) p_drained: assert (~in_flight & ~(en & valid & stage_rst_n));
 
-  // What induction needs.
+  // Invariants for induction.
   logic [3:0] zeros;
   always_comb begin
     zeros = '0;
@@ -144,7 +144,7 @@ module shadow_swap #(
     i_room: assert (complete_q != '1 | ~(ended | \u_input.frame_q ));
     i_begins: assert (~begins | \u_input.frame_q );
     i_apply: assert (~apply | &\u_input.hold_q );
-    // Ones that are shifted out at the top.
+    // The ones are shifted out at the top.
     i_hold: assert (\u_input.hold_q == 8'(8'hFF << zeros));
     i_still: assert (~\u_input.hold_q [7] | (\u_input.idle_q & ~\u_input.frame_q & ~ended));
     i_reset: assert (stage_rst_n | (\u_input.idle_q & ~\u_input.frame_q & ~ended));
@@ -161,7 +161,7 @@ module shadow_swap #(
   always_comb if (started_q & (\u_registers.pending_q | \u_registers.check_q ))
     i_asked: assert (\u_registers.shadow_q == asked_q);
 
-  // That all this can happen at all.
+  // Cover: these events are reachable.
   always_ff @(posedge clk_i) begin
     if (~rst_ni) reached_o <= '0;
     else reached_o <= reached_o | {changed & bank == bank_q, changed & bank != bank_q,

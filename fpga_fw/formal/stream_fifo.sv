@@ -1,11 +1,11 @@
-// Formal: fs_stream_fifo is a queue, for any data and any valid and ready.
+// Formal: fs_stream_fifo is a queue, for any data, valid and ready.
 //
-// A model queue stands beside it; wires with the names that u_fifo's own get in Yosys when it is
-// flattened look into it.
+// A model queue runs in parallel. Wires named like u_fifo's signals in Yosys's flattened netlist
+// connect to those signals.
 module stream_fifo #(
   parameter int Depth = 4,
   localparam int Bits = 3,
-  localparam int Most = Depth + 1,  // words inside
+  localparam int Most = Depth + 1,  // words inside, at most
   localparam int SizeBits = $clog2(Most + 1),
   localparam int AddressBits = $clog2(Depth)
 ) (
@@ -24,12 +24,12 @@ module stream_fifo #(
   (* hierconn *) wire [AddressBits-1:0] \u_fifo.read_q ;
   (* hierconn *) wire [AddressBits-1:0] \u_fifo.write_q ;
 
-  // It starts with a reset; more of them may come.
+  // Starts with a reset; further resets may come.
   logic started_q = 1'b0;
   always_ff @(posedge clk_i) started_q <= 1'b1;
   always_comb assume (started_q | ~rst_ni);
 
-  // The model: the oldest word first.
+  // The model, the oldest word first.
   logic [SizeBits-1:0] size_q, size;
   logic [Bits*Most-1:0] queue_q, queue;
   logic push, pop;
@@ -53,10 +53,10 @@ module stream_fifo #(
     waits_q <= rst_ni & size_q != '0 & ~valid_o;
   end
 
-  // Nothing is lost, doubled or set out of order: what comes out is the model's oldest word.
+  // No word is lost, duplicated or reordered: the output is the model's oldest word.
   always_comb if (started_q & valid_o) p_nothing_from_nothing: assert (size_q != '0);
   always_comb if (started_q & valid_o) p_oldest_word: assert (data_o == queue_q[Bits-1:0]);
-  // Nor can it get stuck: a word that is inside is offered in the next clock.
+  // It cannot get stuck: a word inside is offered in the next clock.
   always_comb if (started_q & waits_q) p_offered: assert (valid_o);
   always_comb if (started_q & size_q < SizeBits'(Depth)) p_takes_depth_words: assert (ready_o);
   always_comb if (started_q) p_no_overflow: assert (size_q <= SizeBits'(Most));
@@ -65,7 +65,7 @@ module stream_fifo #(
   always_comb if (started_q & held_q) p_payload_stays: assert (data_o == held_data_q);
   always_comb if (started_q) p_count: assert (SizeBits'(count_o) + SizeBits'(valid_o) == size_q);
 
-  // What induction needs: the memory holds the model's words, from read_q on.
+  // Invariants for induction: the memory holds the model's words, from read_q on.
   always_comb if (started_q) i_count: assert (count_o <= (AddressBits + 1)'(Depth));
   logic [AddressBits-1:0] behind;
   assign behind = \u_fifo.read_q + count_o[AddressBits-1:0];

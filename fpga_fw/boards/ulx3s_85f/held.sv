@@ -1,6 +1,6 @@
-// Makes a pulse long enough to be seen.
+// Stretches a pulse so that an LED shows it.
 //
-// Formula   seen_o is high for Clocks clocks behind the last event_i
+// Formula   seen_o is high for Clocks clocks after the last event_i
 module held #(
   parameter int Clocks = 10000000
 ) (

@@ -1,18 +1,18 @@
-// A stereo pair without cameras: noise in the right image, and the same noise moved by a
-// disparity in the left one; a square in the middle is nearer than the rest. All frames are
-// alike.
+// Generates a stereo pair without cameras: noise in the right image, and the same noise shifted by
+// a disparity in the left image. A square in the middle is nearer than the rest. All frames are
+// equal.
 //
 // Formula   bits      s(n) = s(n - 31) ^ s(n - 28); s(-31) .. s(-1) are Seed, from its highest
 //                     bit
-//           pixel k   of the frame, in raster order: right = s(8 k) .. s(8 k + 7), the first the
-//                     highest bit
+//           pixel k   of the frame, in raster order: right = s(8 k) .. s(8 k + 7), the highest bit
+//                     first
 //           left      right of pixel k - d, 0 if k < d; d = Near where W4 <= x < 3 W4 and
 //                     H4 <= y < 3 H4 with W4 = floor(W / 4), H4 = floor(H / 4), else Far
-// Schedule  clock 1 the place of a pixel, clock 2 the pixel; both move on as a pixel is taken,
-//           but not more than rate_i times a second
+// Schedule  clock 1: position of a pixel; clock 2: the pixel. Both advance when a pixel is taken,
+//           but at most rate_i times a second.
 // Handshake stream (fpga_fw/rtl/fs_stream_fifo.sv).
-// Limits    Far and Near 2 to 63; width_i, W, 16 to 1280; height_i, H, 4 or more: smaller has no
-//           square. A frame under way when they change is not of either size. The first d pixels
+// Limits    Far and Near 2 to 63; width_i, W, 16 to 1280; height_i, H, 4 or more: smaller images
+//           have no square. A frame during which they change has neither size. The first d pixels
 //           of a left row are the last of the row above.
 module test_pattern #(
   parameter int ClockHz = 100000000,
@@ -33,11 +33,11 @@ module test_pattern #(
   output logic [7:0]  left_o,
   output logic [7:0]  right_o
 );
-  // The place of the next pixel.
+  // Position of the next pixel.
   logic [11:0] x_q, y_q;
   logic middle_x_q, middle_y_q;
   logic move, last_x, last_y;
-  logic begins_q;  // a frame
+  logic begins_q;  // the next pixel is the first of a frame
   logic tick;
   fs_baud #(.ClockHz(ClockHz), .StepBits(RateBits)) u_rate (
     .clk_i, .restart_i(~rst_ni), .step_i(rate_i), .tick_o(tick)
@@ -54,7 +54,7 @@ module test_pattern #(
     width_4_q <= width_i[11:2];
     height_4_q <= height_i[11:2];
   end
-  // Not ==: the size may have shrunk.
+  // >= instead of ==, because the size may have shrunk.
   assign last_x = x_q >= last_column_q;
   assign last_y = y_q >= last_row_q;
   always_ff @(posedge clk_i) begin
@@ -77,10 +77,10 @@ module test_pattern #(
     end
   end
 
-  // The pixel. The last 64 right ones are kept.
+  // The pixel. The memory holds the last 64 pixels of the right image.
   (* ram_style = "distributed" *) logic [7:0] memory[0:63];
   logic [5:0] at_q, at, distance;
-  logic many_q;  // 64 pixels of the frame or more
+  logic many_q;  // 64 or more pixels of the frame have passed
   logic [30:0] bits_q, bits;
   logic [7:0] right;
   assign at = begins_q ? '0 : at_q;

@@ -1,13 +1,13 @@
-// ULX3S v3 with LFE5U-85F: two cameras, the whole pipeline, and the link. README.md says what is
-// wired where, and what switches, buttons and LEDs are for.
+// Top level for the ULX3S v3 with LFE5U-85F: two cameras, the whole pipeline, and the link.
+// README.md describes the wiring, the switches, the buttons and the LEDs.
 //
 //   cameras or test pattern -> fs_system -> FT232H (synchronous 245 FIFO) or FT231X (serial)
 //
 // Clock     25 MHz -> VCO = 50 MHz * PllFeedback (400 to 800 MHz) -> core = VCO / PllDivide.
 //           12 and 10: 60 MHz.  12 and 6: 100 MHz.
-//           The FT232H and each sensor bring a clock of their own.
+//           The FT232H and each sensor bring their own clocks.
 // Reset     until the PLL has locked, and while BTN_PWRn is pressed; released synchronously. The
-//           end of the link that is not chosen is in reset.
+//           end of the link that is not selected is in reset.
 // Limits    UartBaud <= core clock / 32
 module top #(
   parameter int MaxWidth = 640,
@@ -34,7 +34,7 @@ module top #(
   output logic       ft_oe_n,
   output logic       ft_siwu_n,
   inout  wire  [7:0] ft_d,
-  // FT231X, named from its side.
+  // FT231X; the signal names are those of the chip.
   output logic       ftdi_rxd,
   input  logic       ftdi_txd,
   // Sensors.
@@ -70,20 +70,20 @@ module top #(
     .PHASESTEP(1'b0), .PHASELOADREG(1'b0), .PLLWAKESYNC(1'b0), .ENCLKOP(1'b0), .ENCLKOS(1'b0)
   );
 
-  // Registers are 0 after configuration, so the reset is there from the start.
+  // Flip-flops are 0 after the FPGA is configured, so the reset is active from the start.
   logic [3:0] rst_nq;
   always_ff @(posedge clk) rst_nq <= {rst_nq[2:0], locked & btn[0]};
   logic rst_n;
   assign rst_n = rst_nq[3];
 
-  // What hands do, not synchronous.
+  // Switches and buttons, asynchronous.
   logic pattern, serial, show_errors, show_overruns;
   fs_sync #(.Bits(4)) u_hand (
     .clk_i(clk), .d_i({sw[0], sw[1], btn[1], btn[2]}),
     .q_o({pattern, serial, show_errors, show_overruns})
   );
 
-  // The two ends of the link; the one that is chosen.
+  // The two ends of the link, and the selection.
   logic rx_valid, rx_ready, tx_valid, tx_ready, usb_rst_nq, serial_rst_nq;
   logic usb_rx_valid, usb_tx_ready, serial_rx_valid, serial_tx_ready, framing_error, uart_overrun;
   logic [7:0] rx_data, usb_rx_data, serial_rx_data, usb_data;
@@ -142,10 +142,10 @@ module top #(
   assign left_sda = sda_low ? 1'b0 : 1'bz;
   assign right_sda = sda_low ? 1'b0 : 1'bz;
 
-  // The pattern, no faster than the link can carry its disparities: 30 frames of 640 x 480 a second
-  // over USB; over a serial line two bytes of ten bits for a pixel, and what a row's packet adds. A
-  // frame takes seconds there; so one that nobody asked for, or that a configuration waits for, is
-  // as fast as over USB.
+  // The test pattern, no faster than the link can carry its disparities: 30 frames of 640 x 480 a
+  // second over USB; over a serial line two bytes of ten bits per pixel, plus the overhead of a
+  // row's packet. There a frame takes seconds, so a frame that nobody asked for, or that a
+  // configuration waits for, is made at the rate of USB.
   localparam int UsbRate = ClockHz < 9216000 ? ClockHz : 9216000;
   localparam int RateBits = $clog2(ClockHz + 1);
   logic streaming, slow_q, pattern_valid, pattern_ready, pattern_sof, pattern_eol;
@@ -157,9 +157,10 @@ module top #(
     .eol_o(pattern_eol), .left_o(pattern_left), .right_o(pattern_right)
   );
 
-  // Whose pixels go in. It changes where a frame of the pattern is about to begin, which waits
-  // while it is not chosen. Pixels of the cameras are dropped while they are not, so that they are never
-  // held up, and then to where a frame begins. One of theirs that the pattern cuts is marked.
+  // Selects the pixels. The selection changes when a frame of the pattern is about to begin; the
+  // pattern waits while it is not selected. Pixels of the cameras are dropped while the pattern is
+  // selected, so that the cameras never stall, and afterwards up to the start of a frame. A camera
+  // frame that the pattern interrupts is flagged as cut.
   logic raw_valid, raw_ready, raw_sof, raw_eol;
   logic [7:0] raw_left, raw_right;
   logic pattern_q, pattern_begins, leaves, cameras_pass;
@@ -184,7 +185,7 @@ module top #(
     end
   end
 
-  // RingRows: what is left of 208 block RAMs.
+  // RingRows: as many as fit into the remaining of the 208 block RAMs.
   fs_system #(
     .MaxWidth(MaxWidth), .Disparities(Disparities), .CensusFull(CensusFull),
     .Primitives(Primitives), .ClockHz(ClockHz), .RingRows(3)
@@ -197,7 +198,7 @@ module top #(
   );
 
   // LEDs.
-  logic [9:0] ft_count_q;  // the FT232H's clock runs
+  logic [9:0] ft_count_q;  // shows that the FT232H's clock runs
   always_ff @(posedge ft_clk) ft_count_q <= ft_count_q + 10'd1;
   logic ft_seen, ft_seen_q;
   fs_sync u_ft_seen (.clk_i(clk), .d_i(ft_count_q[9]), .q_o(ft_seen));
