@@ -12,7 +12,7 @@ function(fpga_stereo_target target)
     target_compile_options(${target} PRIVATE -fsanitize=${FPGA_STEREO_SANITIZE} -fno-omit-frame-pointer)
     # GCC warns about its own std::regex when sanitizers are on.
     target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
-    target_link_libraries(${target} -fsanitize=${FPGA_STEREO_SANITIZE})
+    target_link_options(${target} PUBLIC -fsanitize=${FPGA_STEREO_SANITIZE})
   endif()
 endfunction()
 
