@@ -2,7 +2,7 @@
 // at the position given by the camera's mesh.
 //
 // Formula   pipeline.md "rectify" and "Line buffer"; exact for every mesh of 16-bit nodes
-// C++ twin  fpga_stereo::rectify (src/core/rectify.cpp); buffer_need() gives T_s and rows
+// C++ twin  fpga_stereo::rectify (src/core/rectify.cpp); line_buffer_need() gives T_s and rows
 // Schedule  stage s of a rectified pixel n is the tick s ticks after the raw pixel n + T_s came in:
 //
 //              1-3   raw row and column; rectified rows begin T_s after the raw rows
@@ -24,7 +24,7 @@
 //           but not in the buffer, or its mesh row is not entirely in the mesh memory. With
 //           k = raster number of the tap - raster number of its pixel, a tap is in the buffer iff
 //             T_s - (LineRows - 1) * width_i <= k < T_s
-//           A host may send a map iff buffer_need() gives at most LineRows - 1 rows for this T_s.
+//           A host may send a map iff line_buffer_need() gives at most LineRows - 1 rows for T_s.
 // Limits    width_i 16..MaxWidth, height_i 1..1200, T_s >= 0 with any read_pixels_i < width_i and
 //           read_rows_i < 2^ceil(log2(LineRows + 1)). The rows of the ring hold raster rows,
 //           bubble rows included, so short frames and odd heights waste none of it.

@@ -45,7 +45,7 @@ class BoardLine::Line : public Transport {
   Counters counters() const override { return counters_; }
 
  private:
-  static Error gone() { return {ErrorKind::kGone, "the board was unplugged"}; }
+  static Error gone() { return {ErrorKind::kUnplugged, "the board was unplugged"}; }
 
   BoardLine& owner_;
   Counters counters_;

@@ -17,7 +17,7 @@ class BoardLine {
 
   /// A transport to the board; fails while it is unplugged, and while another one is open.
   Result<std::unique_ptr<link::Transport>> open();
-  /// Unplugged: transports that are open fail with kGone.
+  /// Unplugged: transports that are open fail with kUnplugged.
   void plug(bool plugged);
   /// Held: nothing passes, and the transport knows of nothing.
   void hold(bool held);

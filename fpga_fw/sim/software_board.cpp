@@ -284,8 +284,8 @@ void SoftwareBoard::apply() {
   rectification_.geometry.image_size = size;
   rectification_.left.mesh = to_mesh(size, active_mesh_[0]);
   rectification_.right.mesh = to_mesh(size, active_mesh_[1]);
-  rectification_.left.buffer = buffer_need(rectification_.left.mesh, size);
-  rectification_.right.buffer = buffer_need(rectification_.right.mesh, size);
+  rectification_.left.line_buffer = line_buffer_need(rectification_.left.mesh, size);
+  rectification_.right.line_buffer = line_buffer_need(rectification_.right.mesh, size);
   frame_flags_ = line_rows(rectification_) > build.line_rows ? kFrameBufferError : 0;
   made_.clear();
   ++registers_[spec::kRegConfiguration];

@@ -4,7 +4,7 @@
 
 namespace fpga_stereo {
 
-void in_bands(int height, int bands, const std::function<void(int, cv::Range)>& work) {
+void for_each_band(int height, int bands, const std::function<void(int, cv::Range)>& work) {
   bands = std::min(bands, height);
   const auto band_rows = [&](int band) {
     return cv::Range(height * band / bands, height * (band + 1) / bands);

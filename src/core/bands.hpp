@@ -7,6 +7,6 @@
 namespace fpga_stereo {
 
 /// Calls work(band, rows) for `bands` bands of the rows 0 .. height - 1, at most one per row.
-void in_bands(int height, int bands, const std::function<void(int, cv::Range)>& work);
+void for_each_band(int height, int bands, const std::function<void(int, cv::Range)>& work);
 
 }  // namespace fpga_stereo

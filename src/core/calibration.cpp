@@ -241,15 +241,15 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
   return pair;
 }
 
-StereoRectification no_rectification(const StereoGeometry& geometry, int min_disparity) {
+StereoRectification identity_rectification(const StereoGeometry& geometry, int min_disparity) {
   const cv::Size size = geometry.image_size;
   StereoRectification pair;
   pair.geometry = geometry;
   pair.min_disparity = min_disparity;
   pair.left.mesh = pair.right_unshifted = Mesh::shift(size, 0);
   pair.right.mesh = Mesh::shift(size, -min_disparity);
-  pair.left.buffer = buffer_need(pair.left.mesh, size);
-  pair.right.buffer = buffer_need(pair.right.mesh, size);
+  pair.left.line_buffer = line_buffer_need(pair.left.mesh, size);
+  pair.right.line_buffer = line_buffer_need(pair.right.mesh, size);
   return pair;
 }
 

@@ -31,8 +31,8 @@ Status check_range(const char* name, int value, int min, int max) {
 }
 
 /// What a camera needs of the line buffer of a gateware if reading starts at `start`.
-BufferNeed gateware_need(const CameraRectification& camera, std::int64_t start) {
-  BufferNeed need = camera.buffer;
+LineBufferNeed gateware_need(const CameraRectification& camera, std::int64_t start) {
+  LineBufferNeed need = camera.line_buffer;
   const int width = camera.mesh.size.width;
   // What is read later is kept longer, and the row that is being written holds pixels of two rows
   // of the image.
@@ -103,7 +103,8 @@ std::string hex(std::uint32_t value) {
 
 std::int64_t read_start(const StereoRectification& rectification) {
   constexpr int kBilinear = 2;  // px right of where the lower pair of taps begins
-  return std::max({rectification.left.buffer.read_start, rectification.right.buffer.read_start,
+  return std::max({rectification.left.line_buffer.read_start,
+                   rectification.right.line_buffer.read_start,
                    std::int64_t{rectification.geometry.image_size.width} + kBilinear});
 }
 
@@ -124,8 +125,8 @@ Status check_build(const GatewareBuild& build, const Parameters& p, const Stereo
       check_range("image width", size.width, build.min_width(), build.max_width),
       check_range("image height", size.height, 1, kGatewareMaxHeight),
       check_range("nodes of a mesh", nodes.area(), 1, build.mesh_nodes),
-      check_buffer(gateware_need(r.left, start), build.line_rows, "left"),
-      check_buffer(gateware_need(r.right, start), build.line_rows, "right"),
+      check_line_buffer(gateware_need(r.left, start), build.line_rows, "left"),
+      check_line_buffer(gateware_need(r.right, start), build.line_rows, "right"),
   };
   for (const Status& status : checks) {
     if (!status) return status;

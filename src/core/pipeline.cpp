@@ -1,6 +1,7 @@
 #include "fpga_stereo/core/pipeline.hpp"
 
 #include "core/bands.hpp"
+#include "core/reference_pipeline.hpp"
 #include "core/stages.hpp"
 #include "fpga_stereo/core/target.hpp"
 #ifdef FPGA_STEREO_SIMD
@@ -27,11 +28,11 @@ Status validate_image(const cv::Mat& raw, const StereoRectification& rectificati
   return {};
 }
 
-void rectify_in_bands(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified) {
+void rectify_image(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified) {
   CV_Assert(raw.type() == CV_8UC1 || raw.type() == CV_8UC3);
   rectified.create(mesh.size, raw.type());
   const bool scalar = target() == kScalarTarget;
-  in_bands(mesh.size.height, num_threads, [&](int, cv::Range rows) {
+  for_each_band(mesh.size.height, num_threads, [&](int, cv::Range rows) {
     if (scalar) return rectify(raw, mesh, rows, rectified);
 #ifdef FPGA_STEREO_SIMD
     for (int y = rows.start; y < rows.end; ++y) simd::rectify_row(raw, mesh, y, rectified.ptr(y));
@@ -39,13 +40,14 @@ void rectify_in_bands(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv:
   });
 }
 
+struct Pipeline::Implementation {
+  ReferencePipeline reference;
 #ifdef FPGA_STEREO_SIMD
-class Pipeline::Simd : public simd::Frame {};
-#else
-class Pipeline::Simd {};
+  simd::Frame simd;
 #endif
+};
 
-Pipeline::Pipeline() = default;
+Pipeline::Pipeline() : implementation_(std::make_unique<Implementation>()) {}
 Pipeline::~Pipeline() = default;
 
 const DisparityFrame& Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
@@ -53,13 +55,13 @@ const DisparityFrame& Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat
                                         const Parameters& parameters, int num_threads) {
 #ifdef FPGA_STEREO_SIMD
   if (target() != kScalarTarget) {
-    if (!simd_) simd_ = std::make_unique<Simd>();
-    simd_->process(left_raw, right_raw, rectification, parameters, num_threads, frame_);
+    implementation_->simd.process(left_raw, right_raw, rectification, parameters, num_threads,
+                                  frame_);
     return frame_;
   }
 #endif
-  const Taps& taps =
-      reference_.process(left_raw, right_raw, rectification, parameters, num_threads);
+  const Taps& taps = implementation_->reference.process(left_raw, right_raw, rectification,
+                                                        parameters, num_threads);
   frame_ = {taps.left, taps.right, taps.disparity, taps.ms};
   return frame_;
 }

@@ -39,20 +39,20 @@ Result<CameraRectification> make_rectification(const ExactMap& map, cv::Size rec
       made.mesh.nodes(j, i) = {node_units(source.x - at.x), node_units(source.y - at.y)};
     }
   }
-  made.deviation = deviation(made.mesh, map, raw);
-  if (made.deviation.largest > kLargestDeviation) {
+  made.deviation = mesh_deviation(made.mesh, map, raw);
+  if (made.deviation.max > kLargestDeviation) {
     std::ostringstream text;
-    text << camera << " camera: the rectification mesh is " << made.deviation.largest
-         << " px off the exact map at pixel (" << made.deviation.where.x << ", "
-         << made.deviation.where.y << "): allowed " << kLargestDeviation
+    text << camera << " camera: the rectification mesh is " << made.deviation.max
+         << " px off the exact map at pixel (" << made.deviation.max_at.x << ", "
+         << made.deviation.max_at.y << "): allowed " << kLargestDeviation
          << "; a pixel may move by less than 256 px";
     return Error{ErrorKind::kCalibration, text.str()};
   }
-  made.buffer = buffer_need(made.mesh, raw);
+  made.line_buffer = line_buffer_need(made.mesh, raw);
   return made;
 }
 
-MeshDeviation deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw) {
+MeshDeviation mesh_deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw) {
   MeshDeviation result;
   double sum = 0;
   std::int64_t count = 0;
@@ -64,9 +64,9 @@ MeshDeviation deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw) {
           exact.x >= 0 && exact.y >= 0 && exact.x <= raw.width - 1 && exact.y <= raw.height - 1;
       if (!inside) continue;
       const double distance = cv::norm(cv::Point2d(row.source(x)) / kSourceScale - exact);
-      if (distance > result.largest) {
-        result.largest = distance;
-        result.where = {x, y};
+      if (distance > result.max) {
+        result.max = distance;
+        result.max_at = {x, y};
       }
       sum += distance * distance;
       ++count;
@@ -76,11 +76,11 @@ MeshDeviation deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw) {
   return result;
 }
 
-BufferNeed buffer_need(const Mesh& mesh, cv::Size raw) {
+LineBufferNeed line_buffer_need(const Mesh& mesh, cv::Size raw) {
   // Raster numbers of raw pixels relative to the rectified pixel that reads them.
   std::int64_t oldest = std::numeric_limits<std::int64_t>::max();
   std::int64_t newest = std::numeric_limits<std::int64_t>::min();
-  BufferNeed need;
+  LineBufferNeed need;
   for (int y = 0; y < mesh.size.height; ++y) {
     const MeshRow row(mesh, y);
     for (int x = 0; x < mesh.size.width; ++x) {
@@ -103,7 +103,7 @@ BufferNeed buffer_need(const Mesh& mesh, cv::Size raw) {
   return need;
 }
 
-Status check_buffer(const BufferNeed& need, int rows, const std::string& camera) {
+Status check_line_buffer(const LineBufferNeed& need, int rows, const std::string& camera) {
   if (need.rows <= rows) return {};
   std::ostringstream text;
   text << camera << " camera: its rectification needs a line buffer of " << need.rows << " rows ("

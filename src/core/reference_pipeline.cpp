@@ -23,7 +23,7 @@ const Taps& ReferencePipeline::process(const cv::Mat1b& left_raw, const cv::Mat1
   const cv::Size size = rectification.geometry.image_size;
   const auto timed = [&](Stage stage, const std::function<void(cv::Range)>& work) {
     const auto start = Clock::now();
-    in_bands(size.height, num_threads, [&](int, cv::Range rows) { work(rows); });
+    for_each_band(size.height, num_threads, [&](int, cv::Range rows) { work(rows); });
     t.ms[static_cast<std::size_t>(stage)] = ms_since(start);
   };
   for (cv::Mat1b* image : {&t.left, &t.right, &t.kept}) image->create(size);
@@ -58,7 +58,7 @@ void ReferencePipeline::match_and_select(const Parameters& parameters, int num_t
   matches_.resize(num_threads);
   std::vector<double> match_ms(num_threads), select_ms(num_threads);
   const auto begin = Clock::now();
-  in_bands(height, num_threads, [&](int band, cv::Range rows) {
+  for_each_band(height, num_threads, [&](int band, cv::Range rows) {
     Match& match = matches_[band];
     auto start = Clock::now();
     match.start(t.left_bits, t.right_bits, parameters, rows.start);

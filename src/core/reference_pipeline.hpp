@@ -1,19 +1,15 @@
 // The pipeline as the scalar stages state it, with what every stage gives: normative, and slow.
 #pragma once
 
-#include <array>
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "core/stages.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
-#include "fpga_stereo/core/spec.hpp"
+#include "fpga_stereo/core/pipeline.hpp"
 
 namespace fpga_stereo {
-
-/// Wall-clock time of each stage, ms, by Stage.
-using StageTimes = std::array<double, kNumStages>;
 
 /// The output of every stage for one frame. Valid until the next frame is processed.
 struct Taps {

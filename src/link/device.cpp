@@ -71,7 +71,7 @@ Result<std::vector<RegisterWrite>> Device::ask(const Request& request) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (session_.state() == Session::State::kClosed) {
-      return Error{ErrorKind::kGone, closed_because_};
+      return Error{ErrorKind::kUnplugged, closed_because_};
     }
     session_.ask(request, [promise](Answer a) { promise->set_value(std::move(a)); });
   }

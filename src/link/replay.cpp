@@ -55,7 +55,7 @@ void Replay::next() {
     std::array<std::uint8_t, kRecordHeaderBytes> header{};
     file_.read(reinterpret_cast<char*>(header.data()), header.size());
     if (file_.gcount() < static_cast<std::streamsize>(header.size())) {
-      return end(ErrorKind::kGone, file_.gcount() == 0 ? " has ended" : " breaks off");
+      return end(ErrorKind::kUnplugged, file_.gcount() == 0 ? " has ended" : " breaks off");
     }
     const std::uint64_t time = get_u64(header.data());
     const std::uint32_t size = get_u32(header.data() + 8);
@@ -67,7 +67,7 @@ void Replay::next() {
     record_.resize(size);
     file_.read(reinterpret_cast<char*>(record_.data()), size);
     if (file_.gcount() < static_cast<std::streamsize>(size)) {
-      return end(ErrorKind::kGone, " breaks off");
+      return end(ErrorKind::kUnplugged, " breaks off");
     }
     offset_ += kRecordHeaderBytes + size;
     time_ = time;
@@ -99,7 +99,7 @@ Result<std::size_t> Replay::write(const std::uint8_t*, std::size_t size, Timeout
 }
 
 Status Replay::recover(Recovery step) {
-  if (step == Recovery::kReset) end(ErrorKind::kGone, " was reset: open it anew");
+  if (step == Recovery::kReset) end(ErrorKind::kUnplugged, " was reset: open it anew");
   if (end_) return *end_;
   return {};
 }

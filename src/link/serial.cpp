@@ -47,7 +47,7 @@ class SerialTransport : public Transport {
   Counters counters() const override;
 
  private:
-  Error gone() const { return {ErrorKind::kGone, path_ + " is gone: it was unplugged"}; }
+  Error gone() const { return {ErrorKind::kUnplugged, path_ + " is gone: it was unplugged"}; }
   Error failure(int code, const char* what) const;
   std::optional<Error> wait(short events, Clock::time_point until) const;
   std::uint64_t line_errors() const;
@@ -109,7 +109,7 @@ Result<std::size_t> SerialTransport::read(std::uint8_t* bytes, std::size_t size,
   }
   if (got < 0 && (errno == EAGAIN || errno == EINTR)) return std::size_t{0};
   const Error error = got == 0 ? gone() : failure(errno, "read");
-  gone_ = error.kind == ErrorKind::kGone;
+  gone_ = error.kind == ErrorKind::kUnplugged;
   return error;
 }
 
@@ -127,7 +127,7 @@ Result<std::size_t> SerialTransport::write(const std::uint8_t* bytes, std::size_
     }
     if (went < 0 && errno != EAGAIN && errno != EINTR) {
       const Error error = failure(errno, "written");
-      gone_ = error.kind == ErrorKind::kGone;
+      gone_ = error.kind == ErrorKind::kUnplugged;
       return error;
     }
     if (Clock::now() >= until) break;

@@ -36,7 +36,7 @@ void Session::opened(Time now) {
 void Session::closed() {
   state_ = State::kClosed;
   identity_.reset();
-  drop_jobs({ErrorKind::kGone, "the line to the board is lost"});
+  drop_jobs({ErrorKind::kUnplugged, "the line to the board is lost"});
   assembler_.reset(assembled_);
   deliver();
   sets_.reset(complete_);
@@ -128,7 +128,7 @@ std::vector<Session::Received> Session::take_received() { return std::exchange(r
 std::vector<std::string> Session::take_notes() { return std::exchange(notes_, {}); }
 
 void Session::ask(Request request, Answer answer) {
-  if (state_ == State::kClosed) return answer(Error{ErrorKind::kGone, "there is no board"});
+  if (state_ == State::kClosed) return answer(Error{ErrorKind::kUnplugged, "there is no board"});
   jobs_.push_back({std::move(request), {}, std::move(answer), {}});
 }
 

@@ -189,7 +189,7 @@ Error usb_error(int code, const std::string& what) {
   const std::string message = what + ": " + libusb_strerror(static_cast<libusb_error>(code));
   switch (code) {
     case LIBUSB_ERROR_NO_DEVICE:
-      return {ErrorKind::kGone, message + "; it was unplugged, or has lost its power"};
+      return {ErrorKind::kUnplugged, message + "; it was unplugged, or has lost its power"};
     case LIBUSB_ERROR_BUSY:
       return {ErrorKind::kBusy, message + "; another program uses it: end that one first"};
     case LIBUSB_ERROR_ACCESS:

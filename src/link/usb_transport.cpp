@@ -267,7 +267,7 @@ void UsbTransport::resume() {
 Status UsbTransport::recover(Recovery step) {
   {
     const std::lock_guard lock(mutex_);
-    if (failed_ && failed_->kind == ErrorKind::kGone) return *failed_;
+    if (failed_ && failed_->kind == ErrorKind::kUnplugged) return *failed_;
     failed_.reset();
   }
   const bool paused = pause();
@@ -275,7 +275,7 @@ Status UsbTransport::recover(Recovery step) {
     const int code = libusb_reset_device(device_.handle.get());
     const std::lock_guard lock(mutex_);
     // It may have come back as another device.
-    failed_ = Error{ErrorKind::kGone, device_.name + " was reset: open it anew"};
+    failed_ = Error{ErrorKind::kUnplugged, device_.name + " was reset: open it anew"};
     if (code != 0 && code != LIBUSB_ERROR_NOT_FOUND) {
       return usb_error(code, device_.name + " cannot be reset");
     }
@@ -321,7 +321,7 @@ Result<std::unique_ptr<Transport>> open_usb(const UsbSelection& selection,
                                             const UsbOptions& options) {
   auto opened = open_and_start(selection, options);
   // Unplugged in the meantime: as good as never there.
-  if (!opened && opened.error().kind == ErrorKind::kGone) {
+  if (!opened && opened.error().kind == ErrorKind::kUnplugged) {
     return Error{ErrorKind::kNotFound, opened.error().message};
   }
   return opened;

@@ -92,7 +92,7 @@ StereoFrame frame_of_cameras(const Session::Received& received, const BoardPlan:
   // What a board does not send, or only shifted, is made of its raw images.
   const auto rectify = [&](const CameraDemand& wanted, const Mesh& mesh, CameraImages& images) {
     if ((wanted.rect || wanted.rect_color) && images.rect.empty() && !images.mono.empty()) {
-      rectify_in_bands(images.mono, mesh, made.settings.num_threads, images.rect);
+      rectify_image(images.mono, mesh, made.settings.num_threads, images.rect);
     }
     images.rect_color = images.rect;
   };

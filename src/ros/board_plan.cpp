@@ -25,7 +25,8 @@ bool wants_raw(const CameraDemand& d) { return d.mono || d.color; }
 Result<GatewareConfiguration> raw_configuration(const GatewareBuild& build, cv::Size size) {
   StereoGeometry geometry;
   geometry.image_size = size;
-  return make_gateware_configuration(build, parameters_of(build), no_rectification(geometry, 0));
+  return make_gateware_configuration(build, parameters_of(build),
+                                     identity_rectification(geometry, 0));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ Status add_pictures(const sensor_msgs::ImageConstPtr& image, const std::string& 
                     const Mesh& mesh, const CameraDemand& demand, int num_threads,
                     CameraImages& images) {
   if (demand.rect && images.rect.empty()) {
-    rectify_in_bands(images.mono, mesh, num_threads, images.rect);
+    rectify_image(images.mono, mesh, num_threads, images.rect);
   }
   if (!demand.color && !demand.rect_color) return {};
   const auto color = to_bgr(image, camera);
@@ -19,7 +19,7 @@ Status add_pictures(const sensor_msgs::ImageConstPtr& image, const std::string& 
   if (demand.rect_color && color->channels() == 1 && !images.rect.empty()) {
     images.rect_color = images.rect;
   } else if (demand.rect_color) {
-    rectify_in_bands(*color, mesh, num_threads, images.rect_color);
+    rectify_image(*color, mesh, num_threads, images.rect_color);
   }
   return {};
 }

@@ -14,8 +14,8 @@ void report(const StereoRectification& made) {
   ROS_INFO_NAMED("stereo",
                  "rectification made: %dx%d, f %.2f px, baseline %.4f m; mesh at most %.4f px "
                  "(left) and %.4f px (right) off the exact map",
-                 g.image_size.width, g.image_size.height, g.fx, g.baseline,
-                 made.left.deviation.largest, made.right.deviation.largest);
+                 g.image_size.width, g.image_size.height, g.fx, g.baseline, made.left.deviation.max,
+                 made.right.deviation.max);
   if (g.cx != g.cx_right) {
     ROS_WARN_NAMED("stereo",
                    "cx of left and right camera_info P differ by %.3f px: it is subtracted from "

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/calibration.hpp"
+#include "fpga_stereo/core/pipeline.hpp"
 
 namespace fpga_stereo::bench {
 

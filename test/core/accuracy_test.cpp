@@ -39,7 +39,8 @@ double average_bad_percent(CensusPattern pattern) {
     StereoGeometry geometry;
     geometry.image_size = pair.left.size();
     ReferencePipeline pipeline;
-    const Taps& taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), p, 1);
+    const Taps& taps =
+        pipeline.process(pair.left, pair.right, identity_rectification(geometry, 0), p, 1);
     for (const cv::Mat1b& mask : {pair.nonocc, pair.all, pair.disc}) {
       sum += bad_percent(taps.disparity, pair.truth, mask);
     }

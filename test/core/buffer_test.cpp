@@ -1,4 +1,4 @@
-// The line buffer of the board: what buffer_need() says, and a simulation of the buffer.
+// The line buffer of the board: what line_buffer_need() says, and a simulation of the buffer.
 #include <gtest/gtest.h>
 
 #include "fpga_stereo/core/calibration.hpp"
@@ -35,7 +35,7 @@ bool buffer_works(const Mesh& mesh, cv::Size raw, int rows, std::int64_t read_st
 }
 
 void expect_need(const Mesh& mesh, int above, int below, std::int64_t start, int rows) {
-  const BufferNeed need = buffer_need(mesh, mesh.size);
+  const LineBufferNeed need = line_buffer_need(mesh, mesh.size);
   EXPECT_EQ(need.rows_above, above);
   EXPECT_EQ(need.rows_below, below);
   EXPECT_EQ(need.read_start, start);
@@ -44,7 +44,7 @@ void expect_need(const Mesh& mesh, int above, int below, std::int64_t start, int
 
 /// Enough, and not a row or a pixel less.
 void expect_exact(const Mesh& mesh, cv::Size raw) {
-  const BufferNeed need = buffer_need(mesh, raw);
+  const LineBufferNeed need = line_buffer_need(mesh, raw);
   EXPECT_TRUE(buffer_works(mesh, raw, need.rows, need.read_start));
   EXPECT_FALSE(buffer_works(mesh, raw, need.rows - 1, need.read_start));
   EXPECT_FALSE(buffer_works(mesh, raw, need.rows, need.read_start - 1));
@@ -59,7 +59,7 @@ Mesh moved(cv::Size size, int x, int y) {
 
 // The 2 x 2 taps are read also where the weight of the second row and column is 0: row 0 waits
 // for the second pixel of row 1.
-TEST(BufferNeed, IdentityByHand) {
+TEST(LineBufferNeed, IdentityByHand) {
   expect_need(moved({16, 16}, 0, 0), 0, 1, 16 + 1 + 1, 2);
   expect_need(moved({16, 1}, 0, 0), 0, 0, 2, 1);
   expect_need(moved({1, 16}, 0, 0), 0, 1, 2, 2);
@@ -69,23 +69,23 @@ TEST(BufferNeed, IdentityByHand) {
   }
 }
 
-TEST(BufferNeed, ShiftAlongTheRowByHand) {
+TEST(LineBufferNeed, ShiftAlongTheRowByHand) {
   expect_need(moved({16, 16}, 3, 0), 0, 1, 16 + 4 + 1, 2);
   expect_need(moved({16, 16}, -3, 0), 0, 1, 16 - 2 + 1, 2);
   expect_need(moved({16, 16}, -16, 0), 0, 1, 16 - 15 + 1, 2);
   for (const int shift : {-16, -15, -3, 3, 14}) {
-    const BufferNeed need = buffer_need(moved({16, 16}, shift, 0), {16, 16});
+    const LineBufferNeed need = line_buffer_need(moved({16, 16}, shift, 0), {16, 16});
     EXPECT_TRUE(buffer_works(moved({16, 16}, shift, 0), {16, 16}, need.rows, need.read_start));
   }
 }
 
-TEST(BufferNeed, ShiftDownTheColumnByHand) {
-  const BufferNeed below = buffer_need(moved({16, 16}, 0, 5), {16, 16});
+TEST(LineBufferNeed, ShiftDownTheColumnByHand) {
+  const LineBufferNeed below = line_buffer_need(moved({16, 16}, 0, 5), {16, 16});
   EXPECT_EQ(below.rows_above, 0);
   EXPECT_EQ(below.rows_below, 6);
   EXPECT_EQ(below.read_start, 6 * 16 + 1 + 1);
   EXPECT_TRUE(buffer_works(moved({16, 16}, 0, 5), {16, 16}, below.rows, below.read_start));
-  const BufferNeed above = buffer_need(moved({16, 16}, 0, -5), {16, 16});
+  const LineBufferNeed above = line_buffer_need(moved({16, 16}, 0, -5), {16, 16});
   EXPECT_EQ(above.rows_above, 5);
   EXPECT_EQ(above.rows_below, 0);
   EXPECT_GE(above.rows, 5);
@@ -93,33 +93,33 @@ TEST(BufferNeed, ShiftDownTheColumnByHand) {
 }
 
 // Up to 4 rows above at the left and 4 below at the right.
-TEST(BufferNeed, TiltIsExact) {
+TEST(LineBufferNeed, TiltIsExact) {
   Mesh mesh = Mesh::shift({40, 33}, 0);
   for (int j = 0; j < mesh.nodes.rows; ++j) {
     for (int i = 0; i < mesh.nodes.cols; ++i) {
       mesh.nodes(j, i) = {0, static_cast<std::int16_t>(128 * 4 * (2 * i - 5) / 5)};
     }
   }
-  const BufferNeed need = buffer_need(mesh, mesh.size);
+  const LineBufferNeed need = line_buffer_need(mesh, mesh.size);
   EXPECT_EQ(need.rows_above, 4);
   EXPECT_EQ(need.rows_below, 4);
   expect_exact(mesh, mesh.size);
 }
 
 // A map that looks only down or only up needs no rows of the other side.
-TEST(BufferNeed, OneSidedMapsAreExact) {
+TEST(LineBufferNeed, OneSidedMapsAreExact) {
   const cv::Size size{24, 40};
-  EXPECT_EQ(buffer_need(moved(size, 0, 10), size).rows, 2);
-  EXPECT_EQ(buffer_need(moved(size, 0, -10), size).read_start, 0);
+  EXPECT_EQ(line_buffer_need(moved(size, 0, 10), size).rows, 2);
+  EXPECT_EQ(line_buffer_need(moved(size, 0, -10), size).read_start, 0);
   for (const int shift : {3, 10, 20}) {
     const Mesh mesh = moved(size, 0, shift);
     expect_exact(mesh, size);
   }
-  EXPECT_EQ(buffer_need(moved(size, 200, 0), size).rows, 0) << "nothing is seen";
+  EXPECT_EQ(line_buffer_need(moved(size, 200, 0), size).rows, 0) << "nothing is seen";
 }
 
 // As soon as rows above and below are read.
-TEST(BufferNeed, RandomMeshesAreExact) {
+TEST(LineBufferNeed, RandomMeshesAreExact) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     cv::RNG rng(seed);
@@ -130,22 +130,22 @@ TEST(BufferNeed, RandomMeshesAreExact) {
   }
 }
 
-TEST(BufferNeed, NothingOfTheRawImageIsSeen) {
+TEST(LineBufferNeed, NothingOfTheRawImageIsSeen) {
   const Mesh mesh = moved({16, 16}, 100, 0);
-  const BufferNeed need = buffer_need(mesh, {16, 16});
+  const LineBufferNeed need = line_buffer_need(mesh, {16, 16});
   EXPECT_EQ(need.rows_above, 0);
   EXPECT_EQ(need.rows_below, 0);
   EXPECT_LE(need.rows, 1);
 }
 
 TEST(CheckBuffer, RefusalNamesBothNumbers) {
-  BufferNeed need;
+  LineBufferNeed need;
   need.rows = 104;
   need.rows_above = 52;
   need.rows_below = 50;
-  EXPECT_TRUE(check_buffer(need, 104, "left"));
-  EXPECT_TRUE(check_buffer(need, 128, "left"));
-  const Status status = check_buffer(need, 103, "right");
+  EXPECT_TRUE(check_line_buffer(need, 104, "left"));
+  EXPECT_TRUE(check_line_buffer(need, 128, "left"));
+  const Status status = check_line_buffer(need, 103, "right");
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().kind, ErrorKind::kCalibration);
   for (const std::string word : {"right", "104", "103", "52", "50"}) {
@@ -160,13 +160,13 @@ TEST_F(BufferData, EurocRows) {
   const CalibrationPair pair = euroc_calibration();
   const auto made = make_stereo_rectification(pair.left, pair.right, 0);
   ASSERT_TRUE(made) << made.error().message;
-  const BufferNeed left = made->left.buffer;
-  const BufferNeed right = made->right.buffer;
+  const LineBufferNeed left = made->left.line_buffer;
+  const LineBufferNeed right = made->right.line_buffer;
   EXPECT_NEAR(std::max(left.rows_above, right.rows_above), 51.4, 1.0);
   EXPECT_NEAR(std::max(left.rows_below, right.rows_below), 49.3, 1.0);
   expect_exact(made->left.mesh, {752, 480});
   expect_exact(made->right.mesh, {752, 480});
-  EXPECT_FALSE(check_buffer(left, left.rows - 1, "left"));
+  EXPECT_FALSE(check_line_buffer(left, left.rows - 1, "left"));
 }
 
 }  // namespace

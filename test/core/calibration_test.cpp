@@ -64,7 +64,7 @@ TEST(Calibration, IdealPairMovesNothing) {
   EXPECT_TRUE(same("left", none.nodes, made->left.mesh.nodes));
   EXPECT_TRUE(same("right", none.nodes, made->right.mesh.nodes));
   EXPECT_EQ(made->left.mesh.size, cv::Size(160, 120));
-  EXPECT_LT(made->left.deviation.largest, 1e-9);
+  EXPECT_LT(made->left.deviation.max, 1e-9);
 }
 
 TEST(Calibration, Geometry) {
@@ -107,7 +107,7 @@ TEST(Calibration, MinimumDisparityShiftsTheRightMesh) {
     EXPECT_TRUE(same("left", Mesh::shift(size, 0).nodes, made->left.mesh.nodes));
     EXPECT_TRUE(same("right", Mesh::shift(size, -minimum).nodes, made->right.mesh.nodes));
     EXPECT_TRUE(same("unshifted", Mesh::shift(size, 0).nodes, made->right_unshifted.nodes));
-    const StereoRectification none = no_rectification(made->geometry, minimum);
+    const StereoRectification none = identity_rectification(made->geometry, minimum);
     EXPECT_TRUE(same("right", none.right.mesh.nodes, made->right.mesh.nodes));
     EXPECT_TRUE(same("left", none.left.mesh.nodes, made->left.mesh.nodes));
     EXPECT_TRUE(same("unshifted", none.right_unshifted.nodes, made->right_unshifted.nodes));

@@ -143,7 +143,7 @@ TEST(ExactMap, HomographyBecomesAMesh) {
   const std::array<double, 9> matrix{1.01, 0.004, -2.5, -0.003, 0.99, 3.25, 1e-5, -2e-5, 1};
   const auto made = make_rectification(exact_map(matrix), {640, 480}, {640, 480}, "left");
   ASSERT_TRUE(made) << made.error().message;
-  EXPECT_LE(made->deviation.largest, 1.0 / 16);
+  EXPECT_LE(made->deviation.max, 1.0 / 16);
   EXPECT_LE(made->deviation.rms, 1.0 / 32);
   EXPECT_EQ(made->mesh.nodes(0, 0), cv::Vec2s(-320, 416));
 }

@@ -44,7 +44,8 @@ TEST(GatewareBuild, ReadsWhatItSays) {
 TEST(GatewareConfiguration, WritesShadowThenMeshesThenApply) {
   StereoGeometry geometry;
   geometry.image_size = {64, 16};
-  const auto made = make_gateware_configuration(vga(), Parameters{}, no_rectification(geometry, 3));
+  const auto made =
+      make_gateware_configuration(vga(), Parameters{}, identity_rectification(geometry, 3));
   ASSERT_TRUE(made);
   const std::size_t nodes = 9 * 3;
   ASSERT_EQ(made->mesh[0].size(), nodes);
@@ -63,13 +64,15 @@ TEST(GatewareConfiguration, WritesShadowThenMeshesThenApply) {
 TEST(GatewareConfiguration, RefusesWhatTheBuildHasNot) {
   StereoGeometry geometry;
   geometry.image_size = {656, 16};
-  const auto wide = make_gateware_configuration(vga(), Parameters{}, no_rectification(geometry, 0));
+  const auto wide =
+      make_gateware_configuration(vga(), Parameters{}, identity_rectification(geometry, 0));
   ASSERT_FALSE(wide);
   EXPECT_EQ(wide.error().message, "image width = 656: this gateware allows 16 to 640");
   geometry.image_size = {640, 16};
   Parameters parameters;
   parameters.disparity_range = 96;
-  const auto deep = make_gateware_configuration(vga(), parameters, no_rectification(geometry, 0));
+  const auto deep =
+      make_gateware_configuration(vga(), parameters, identity_rectification(geometry, 0));
   ASSERT_FALSE(deep);
   EXPECT_EQ(deep.error().message, "disparity_range = 96: this gateware is built for 64 only");
 }

@@ -123,7 +123,7 @@ TEST(MakeRectification, FarOutsideTheRawImageDoesNotMatter) {
   const auto made = make_rectification(map, {64, 8}, {25, 8}, "left");
   ASSERT_TRUE(made);
   EXPECT_EQ(made->mesh.nodes(0, 7), cv::Vec2s(32767, 0)) << "saturated";
-  EXPECT_EQ(made->deviation.largest, 0);
+  EXPECT_EQ(made->deviation.max, 0);
 }
 
 TEST(Deviation, ByHand) {
@@ -131,17 +131,17 @@ TEST(Deviation, ByHand) {
   const ExactMap map = [](double x, double y) {
     return x == 3 && y == 4 ? cv::Point2d(x + 0.3, y - 0.4) : cv::Point2d(x, y);
   };
-  const MeshDeviation d = deviation(mesh, map, {10, 10});
-  EXPECT_DOUBLE_EQ(d.largest, 0.5);
+  const MeshDeviation d = mesh_deviation(mesh, map, {10, 10});
+  EXPECT_DOUBLE_EQ(d.max, 0.5);
   EXPECT_DOUBLE_EQ(d.rms, 0.05);
-  EXPECT_EQ(d.where, cv::Point(3, 4));
+  EXPECT_EQ(d.max_at, cv::Point(3, 4));
 }
 
 TEST(Deviation, CountsTheRawImageOnly) {
   const Mesh mesh = Mesh::shift({10, 10}, 0);
   const ExactMap map = [](double x, double y) { return cv::Point2d(x > 5 ? x + 20 : x + 0.25, y); };
-  const MeshDeviation d = deviation(mesh, map, {10, 10});
-  EXPECT_DOUBLE_EQ(d.largest, 0.25);
+  const MeshDeviation d = mesh_deviation(mesh, map, {10, 10});
+  EXPECT_DOUBLE_EQ(d.max, 0.25);
   EXPECT_DOUBLE_EQ(d.rms, 0.25);
 }
 
@@ -152,7 +152,7 @@ TEST_F(MeshData, DeviationOfRealCalibrations) {
     const auto made = make_stereo_rectification(pair.left, pair.right, 0);
     ASSERT_TRUE(made) << made.error().message;
     for (const CameraRectification* camera : {&made->left, &made->right}) {
-      EXPECT_LE(camera->deviation.largest, 1.0 / 16);
+      EXPECT_LE(camera->deviation.max, 1.0 / 16);
       EXPECT_LE(camera->deviation.rms, 1.0 / 32);
       EXPECT_GT(camera->deviation.rms, 1e-3) << "rounding alone gives 0.01";
     }

@@ -10,7 +10,7 @@ namespace fpga_stereo::test {
 inline StereoRectification unmoved(cv::Size size, int min_disparity = 0) {
   StereoGeometry geometry;
   geometry.image_size = size;
-  return no_rectification(geometry, min_disparity);
+  return identity_rectification(geometry, min_disparity);
 }
 
 /// Meshes that move every pixel by up to `most` / 128 px.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/pipeline_rig.hpp"
+#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/target.hpp"
 #include "support/compare.hpp"
 #include "support/naive.hpp"
@@ -160,7 +161,7 @@ TEST_P(Pipelines, ColorsAreRectifiedAsTheReferenceDoes) {
       const StereoRectification r = bent(size, 12, most);
       cv::Mat expected, actual;
       rectify(raw, r.left.mesh, cv::Range::all(), expected);
-      rectify_in_bands(padded(raw, 3), r.left.mesh, 2, actual);
+      rectify_image(padded(raw, 3), r.left.mesh, 2, actual);
       ASSERT_TRUE(same("color", expected, actual)) << size << " " << most;
     }
   }
@@ -182,7 +183,7 @@ TEST(RectifyInBands, EqualsTheStage) {
   const Mesh mesh = bent(raw.size(), 12).left.mesh;
   for (const int threads : {1, 2, 3, 7, 50}) {
     cv::Mat out;
-    rectify_in_bands(raw, mesh, threads, out);
+    rectify_image(raw, mesh, threads, out);
     EXPECT_TRUE(test::same("rectify", naive::rectify(raw, mesh), out)) << threads;
   }
 }

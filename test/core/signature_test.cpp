@@ -139,7 +139,8 @@ Frame frame(CensusPattern pattern) {
   StereoGeometry geometry;
   geometry.image_size = pair.left.size();
   ReferencePipeline pipeline;
-  f.taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), f.parameters, 2);
+  f.taps =
+      pipeline.process(pair.left, pair.right, identity_rectification(geometry, 0), f.parameters, 2);
   return f;
 }
 

@@ -25,7 +25,8 @@ Errors errors_on_plane(double a, double b, CensusPattern pattern, unsigned seed)
   geometry.image_size = size;
   const SlantedPair pair = slanted_pair(size, Texture(seed), a, b);
   ReferencePipeline pipeline;
-  const Taps& taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), p, 1);
+  const Taps& taps =
+      pipeline.process(pair.left, pair.right, identity_rectification(geometry, 0), p, 1);
 
   Errors errors;
   for (int y = 15; y < size.height - 15; ++y) {

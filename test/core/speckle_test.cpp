@@ -190,7 +190,7 @@ TEST_F(SpeckleData, AgreesWithFilterSpecklesOnMiddlebury) {
     geometry.image_size = pair.left.size();
     Parameters p;
     p.disparity_range = pair.disparity_range;
-    expect_agreement(pair.left, pair.right, no_rectification(geometry, 0), p);
+    expect_agreement(pair.left, pair.right, identity_rectification(geometry, 0), p);
   }
 }
 
@@ -202,7 +202,8 @@ TEST_F(SpeckleData, EqualsTheNaiveModel) {
   p.disparity_range = pair.disparity_range;
   p.speckle_size = 1000;  // the look-ahead matters most
   ReferencePipeline pipeline;
-  const Taps& taps = pipeline.process(pair.left, pair.right, no_rectification(geometry, 0), p, 1);
+  const Taps& taps =
+      pipeline.process(pair.left, pair.right, identity_rectification(geometry, 0), p, 1);
   EXPECT_TRUE(same("speckle", naive::speckle(taps.refined, p), taps.disparity, {p, 0, "tsukuba"}));
   EXPECT_NE(cv::countNonZero(filter_speckles(taps.refined, p) != taps.disparity), 0)
       << "the look-ahead is not seen here";

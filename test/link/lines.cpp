@@ -115,7 +115,7 @@ class MemoryTransport : public link::Transport {
 
  private:
   bool gone() const { return reset_ || !memory_->plugged || memory_->plugs != plug_; }
-  static Error error() { return {ErrorKind::kGone, "gone"}; }
+  static Error error() { return {ErrorKind::kUnplugged, "gone"}; }
 
   const std::shared_ptr<Memory> memory_;
   const int plug_;

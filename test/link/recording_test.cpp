@@ -95,7 +95,7 @@ TEST_F(Recording, GivesWhatWasRead) {
   for (int i = 0; i < 2; ++i) {
     const auto end = (*replay)->read(&byte, 1, Milliseconds(0));
     ASSERT_FALSE(end);
-    EXPECT_EQ(end.error().kind, ErrorKind::kGone);
+    EXPECT_EQ(end.error().kind, ErrorKind::kUnplugged);
     EXPECT_EQ(end.error().message, "the recording " + path_ + " has ended");
   }
 }
@@ -112,7 +112,7 @@ TEST_F(Recording, BreaksOffAnywhere) {
         replay(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(size)), end);
     const bool all = size == file.size();
     EXPECT_EQ(read, all ? (Bytes{1, 2, 3, 4, 5, 6, 7}) : (Bytes{1, 2, 3})) << size;
-    EXPECT_EQ(end.kind, ErrorKind::kGone) << size;
+    EXPECT_EQ(end.kind, ErrorKind::kUnplugged) << size;
     const bool at_a_record = all || size == whole;
     EXPECT_EQ(end.message.find("breaks off") == std::string::npos, at_a_record) << end.message;
   }

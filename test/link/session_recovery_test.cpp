@@ -242,7 +242,7 @@ TEST(Session, RegistersOfOthersBetweenItsOwn) {
   error.reset();
   rig.session.ask(link::read_request({0}), answer);
   ASSERT_TRUE(error);
-  EXPECT_EQ(error->kind, ErrorKind::kGone);
+  EXPECT_EQ(error->kind, ErrorKind::kUnplugged);
 }
 
 TEST(Session, ALostAnswerIsAskedForAgain) {

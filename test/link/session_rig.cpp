@@ -29,7 +29,7 @@ SessionRig::Setting SessionRig::setting(unsigned seed, cv::Size size) {
   made.parameters.subpixel = seed % 3 != 0;
   StereoGeometry geometry;
   geometry.image_size = size;
-  made.rectification = no_rectification(geometry, static_cast<int>(seed % 3));
+  made.rectification = identity_rectification(geometry, static_cast<int>(seed % 3));
   return made;
 }
 

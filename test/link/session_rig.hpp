@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fpga_stereo/core/pipeline.hpp"
+#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/link/session.hpp"
 #include "sim/software_board.hpp"
 

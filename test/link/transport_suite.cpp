@@ -151,12 +151,12 @@ TEST_P(TransportTest, AReaderThatIsLateLosesNothing) {
 
 TEST_P(TransportTest, UnpluggedWhileReading) {
   auto hand = after(Milliseconds(20), [&] { line_->unplug(); });
-  EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kGone);
+  EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kUnplugged);
   hand.join();
-  EXPECT_EQ(kind_of_read(*transport_, Milliseconds(0)), ErrorKind::kGone);
+  EXPECT_EQ(kind_of_read(*transport_, Milliseconds(0)), ErrorKind::kUnplugged);
   const auto went = transport_->write(Bytes{1}.data(), 1, Milliseconds(100));
   ASSERT_FALSE(went);
-  EXPECT_EQ(went.error().kind, ErrorKind::kGone);
+  EXPECT_EQ(went.error().kind, ErrorKind::kUnplugged);
   EXPECT_FALSE(transport_->recover(Recovery::kPurge));
 }
 
@@ -169,7 +169,7 @@ TEST_P(TransportTest, UnpluggedWhileWriting) {
   if (went) went = transport_->write(sent.data(), sent.size(), Milliseconds(5000));
   hand.join();
   ASSERT_FALSE(went);
-  EXPECT_EQ(went.error().kind, ErrorKind::kGone);
+  EXPECT_EQ(went.error().kind, ErrorKind::kUnplugged);
   EXPECT_FALSE(went.error().message.empty());
 }
 
@@ -193,7 +193,7 @@ TEST_P(TransportTest, ClosedInTheMiddle) {
 TEST_P(TransportTest, OpensAgainWhenItIsBack) {
   for (int i = 0; i < 3; ++i) {
     line_->unplug();
-    EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kGone);
+    EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kUnplugged);
     const auto absent = line_->open();
     ASSERT_FALSE(absent);
     EXPECT_EQ(absent.error().kind, ErrorKind::kNotFound) << absent.error().message;
@@ -219,7 +219,7 @@ TEST_P(TransportTest, Recovers) {
     EXPECT_EQ(line_->take(2), (Bytes{4, 5}));
   }
   EXPECT_TRUE(transport_->recover(Recovery::kReset));
-  EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kGone);
+  EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kUnplugged);
   transport_.reset();
   open();
   line_->send({6});

@@ -121,7 +121,7 @@ TEST(Usb, UnpluggedInRecovery) {
   const Status recovered = transport->recover(Recovery::kRestart);
   hand.join();
   ASSERT_FALSE(recovered);
-  EXPECT_EQ(recovered.error().kind, ErrorKind::kGone);
+  EXPECT_EQ(recovered.error().kind, ErrorKind::kUnplugged);
 }
 
 TEST(Usb, UnpluggedAtAnyTime) {
@@ -148,7 +148,7 @@ TEST(Usb, UnpluggedAtAnyTime) {
       while (got && *got > 0) {
         got = transport.read(bytes.data(), bytes.size(), Milliseconds(2000));
       }
-      EXPECT_TRUE(!got && got.error().kind == ErrorKind::kGone) << "seed 1, round " << i;
+      EXPECT_TRUE(!got && got.error().kind == ErrorKind::kUnplugged) << "seed 1, round " << i;
       writer.join();
     } else {
       EXPECT_EQ(opened.error().kind, ErrorKind::kNotFound) << opened.error().message;

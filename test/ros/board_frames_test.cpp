@@ -73,7 +73,7 @@ TEST(BoardFrames, WhatTheBoardDoesNotSendIsRectifiedHere) {
   demand.left.rect = true;
   const StereoFrame frame = frame_of_cameras(received, made, demand, {});
   cv::Mat expected;
-  rectify_in_bands(cv::Mat1b(kSize, 100), made.rectification->left.mesh, 1, expected);
+  rectify_image(cv::Mat1b(kSize, 100), made.rectification->left.mesh, 1, expected);
   ASSERT_EQ(frame.left.rect.size(), kSize);
   EXPECT_EQ(cv::norm(frame.left.rect, expected, cv::NORM_L1), 0);
   EXPECT_TRUE(frame.disparity.empty());

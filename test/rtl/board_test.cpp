@@ -53,7 +53,7 @@ class BoardRig {
     p.speckle_size = 30;
     StereoGeometry geometry;
     geometry.image_size = {kWidth, kHeight};
-    rectification = no_rectification(geometry, 0);
+    rectification = identity_rectification(geometry, 0);
     run(300);
   }
 

@@ -72,8 +72,8 @@ Mesh smooth(cv::Size size, double largest, unsigned seed) {
 }
 
 std::int64_t read_start(const Meshes& meshes) {
-  return std::max(buffer_need(meshes.left, meshes.size()).read_start,
-                  buffer_need(meshes.right, meshes.size()).read_start);
+  return std::max(line_buffer_need(meshes.left, meshes.size()).read_start,
+                  line_buffer_need(meshes.right, meshes.size()).read_start);
 }
 
 /// Where a pixel needs one of the raw image that a buffer of `rows` rows does not hold when it is
@@ -342,7 +342,7 @@ TEST(RtlRectify, Calibrated) {
     const Meshes meshes = calibrated(size, roll);
     const std::int64_t start = read_start(meshes);
     for (const Mesh* mesh : {&meshes.left, &meshes.right}) {
-      EXPECT_GT(buffer_need(*mesh, size).rows, 20);
+      EXPECT_GT(line_buffer_need(*mesh, size).rows, 20);
       EXPECT_EQ(cv::countNonZero(lacking(*mesh, start, bench.usable_rows())), 0);
     }
     bench.check(meshes, bubbles({2, 0}, 0, 5), size.width > 320 ? 1 : 3, start, "calibrated");
@@ -441,8 +441,8 @@ TEST(RtlRectify, EndsOfTheRing) {
   }
 }
 
-// A host that goes by buffer_need() gets no error; one that sends T_s one too small, or a map that
-// needs one row more, does.
+// A host that goes by line_buffer_need() gets no error; one that sends T_s one too small, or a map
+// that needs one row more, does.
 TEST(RtlRectify, BufferNeedIsTheLimit) {
   Small bench;
   const auto errors = [&](const Mesh& mesh, std::int64_t start) {
@@ -455,8 +455,8 @@ TEST(RtlRectify, BufferNeedIsTheLimit) {
   for (unsigned seed = 50; seed < 80; ++seed) {
     const cv::Size size(seed % 2 ? 16 : 33, 30);
     const Mesh mesh = smooth(size, 2 + 0.5 * (seed - 50), seed);
-    const BufferNeed need = buffer_need(mesh, size);
-    const bool ok = static_cast<bool>(check_buffer(need, bench.usable_rows(), "left"));
+    const LineBufferNeed need = line_buffer_need(mesh, size);
+    const bool ok = static_cast<bool>(check_line_buffer(need, bench.usable_rows(), "left"));
     ++(ok ? fits : refused);
     EXPECT_EQ(errors(mesh, need.read_start) == 0, ok) << "seed " << seed;
     EXPECT_TRUE(!ok || errors(mesh, need.read_start - 1) > 0) << "seed " << seed;

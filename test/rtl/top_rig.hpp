@@ -50,7 +50,7 @@ inline sim::Gateware open(const TopBuild& build, std::uint32_t seed = 1) {
 inline StereoRectification unmoved(cv::Size size, int min_disparity = 0) {
   StereoGeometry geometry;
   geometry.image_size = size;
-  return no_rectification(geometry, min_disparity);
+  return identity_rectification(geometry, min_disparity);
 }
 
 /// Cameras whose lenses bend the image, the left outwards and the right inwards, and which look a

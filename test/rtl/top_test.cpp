@@ -400,7 +400,7 @@ TEST_P(RtlTop, RefusesByNameWhatItWasNotBuiltFor) {
   StereoRectification high = unmoved({40, 300});
   high.right.mesh.nodes(10, 2)[1] = kMeshScale * 60;
   high.right.mesh.nodes(20, 2)[1] = -kMeshScale * 60;
-  high.right.buffer = buffer_need(high.right.mesh, {40, 300});
+  high.right.line_buffer = line_buffer_need(high.right.mesh, {40, 300});
   refused(p, high, {"right camera", "line buffer", std::to_string(build.line_rows)});
   // Nothing of it has had an effect.
   expect_equal(gateware, {p, unmoved(size), textured(size, 1, 1), ""});

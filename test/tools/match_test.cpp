@@ -18,7 +18,7 @@ const cv::Size kSize(97, 61);
 StereoRectification none(int min_disparity) {
   StereoGeometry geometry;
   geometry.image_size = kSize;
-  return no_rectification(geometry, min_disparity);
+  return identity_rectification(geometry, min_disparity);
 }
 
 cv::Mat1w expected(const NoisePair& pair, const StereoRectification& rectification,

@@ -61,7 +61,7 @@ class RecordedFrames : public FrameSource {
     const auto came = line_->read(bytes_.data(), bytes_.size(), timeout);
     if (came) {
       decoder_.push(bytes_.data(), *came);
-    } else if (came.error().kind == ErrorKind::kGone) {
+    } else if (came.error().kind == ErrorKind::kUnplugged) {
       ended_ = true;
       decoder_.give_up();
     } else {

@@ -72,7 +72,7 @@ Case make_case(const GatewareBuild& build, cv::Size size, unsigned seed, bool mo
   p.subpixel = seed % 4 != 3;
   StereoGeometry geometry;
   geometry.image_size = size;
-  made.rectification = no_rectification(geometry, p.min_disparity);
+  made.rectification = identity_rectification(geometry, p.min_disparity);
   if (moving) {
     made.rectification.left = turned(size, build.line_rows, 1, 0, "left");
     made.rectification.right = turned(size, build.line_rows, -1, p.min_disparity, "right");

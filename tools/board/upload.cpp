@@ -53,7 +53,7 @@ StereoRectification read_rectification(const po::variables_map& options, int min
   if (options.count("size") != 0) {
     StereoGeometry geometry;
     geometry.image_size = parse_size(options["size"].as<std::string>());
-    return no_rectification(geometry, min_disparity);
+    return identity_rectification(geometry, min_disparity);
   }
   const std::string left = options["left-info"].as<std::string>();
   const std::string right = options["right-info"].as<std::string>();

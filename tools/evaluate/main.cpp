@@ -99,7 +99,7 @@ void evaluate_pair(const Evaluation& evaluation, const MiddleburyPair& pair, std
   if (!evaluation.range_given) p.disparity_range = pair.scene.disparity_range;
   StereoGeometry geometry;
   geometry.image_size = pair.left.size();
-  const StereoRectification none = no_rectification(geometry, p.min_disparity);
+  const StereoRectification none = identity_rectification(geometry, p.min_disparity);
   const std::string prefix = std::string(pair.scene.name) + ": ";
   require(validate_image(pair.left, none, "left"), prefix);
   Pipeline pipeline;

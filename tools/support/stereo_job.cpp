@@ -14,11 +14,11 @@ namespace {
 namespace po = boost::program_options;
 
 void print_rectification(const std::string& camera, const CameraRectification& r) {
-  std::cerr << camera << " mesh: off the exact map by " << r.deviation.largest
-            << " px at most, at (" << r.deviation.where.x << ", " << r.deviation.where.y << "), "
-            << r.deviation.rms << " px RMS; line buffer: " << r.buffer.rows << " rows ("
-            << r.buffer.rows_above << " above and " << r.buffer.rows_below
-            << " below the output row), read start " << r.buffer.read_start << "\n";
+  std::cerr << camera << " mesh: off the exact map by " << r.deviation.max << " px at most, at ("
+            << r.deviation.max_at.x << ", " << r.deviation.max_at.y << "), " << r.deviation.rms
+            << " px RMS; line buffer: " << r.line_buffer.rows << " rows ("
+            << r.line_buffer.rows_above << " above and " << r.line_buffer.rows_below
+            << " below the output row), read start " << r.line_buffer.read_start << "\n";
 }
 
 StereoRectification rectification(const po::variables_map& options, cv::Size size,
@@ -26,7 +26,7 @@ StereoRectification rectification(const po::variables_map& options, cv::Size siz
   if (options.count("left-info") == 0) {
     StereoGeometry geometry;
     geometry.image_size = size;
-    return no_rectification(geometry, min_disparity);
+    return identity_rectification(geometry, min_disparity);
   }
   const std::string left = options["left-info"].as<std::string>();
   const std::string right = options["right-info"].as<std::string>();

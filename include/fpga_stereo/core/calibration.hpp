@@ -45,14 +45,14 @@ using ExactMap = std::function<cv::Point2d(double x, double y)>;
 /// Difference between a mesh and the exact map, Euclidean, px, over the rectified pixels whose
 /// source lies in the raw image; the rounding to 1/32 px included.
 struct MeshDeviation {
-  double largest = 0;
+  double max = 0;
   double rms = 0;
-  cv::Point where;  // of the largest
+  cv::Point max_at;  // rectified pixel with the maximum
 };
 
 /// What the circular line buffer of the board must hold for a mesh. One raw pixel enters and one
 /// rectified pixel leaves per clock, both in raster order.
-struct BufferNeed {
+struct LineBufferNeed {
   int rows_above = 0;           // B_u: rows of the raw image above the output row that are read
   int rows_below = 0;           // B_l: rows below it
   std::int64_t read_start = 0;  // T_s: raw pixels written before the first pixel can be read
@@ -62,7 +62,7 @@ struct BufferNeed {
 struct CameraRectification {
   Mesh mesh;
   MeshDeviation deviation;
-  BufferNeed buffer;
+  LineBufferNeed line_buffer;
 };
 
 struct StereoRectification {
@@ -87,13 +87,13 @@ Result<CameraRectification> make_rectification(const ExactMap& map, cv::Size rec
                                                cv::Size raw, const std::string& camera);
 
 /// Difference of `mesh` from `map` for raw images of size `raw`.
-MeshDeviation deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw);
+MeshDeviation mesh_deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw);
 
 /// Rows and start that `mesh` needs of a line buffer for raw images of size `raw`.
-BufferNeed buffer_need(const Mesh& mesh, cv::Size raw);
+LineBufferNeed line_buffer_need(const Mesh& mesh, cv::Size raw);
 
 /// Refuses a mesh that needs more rows than a buffer of `rows` rows has.
-Status check_buffer(const BufferNeed& need, int rows, const std::string& camera);
+Status check_line_buffer(const LineBufferNeed& need, int rows, const std::string& camera);
 
 /// Refuses a calibration that no rectification can be made from, by camera and field.
 Status validate(const CameraCalibration& camera, const std::string& name);
@@ -106,6 +106,6 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
 
 /// The same for a pair that is rectified already: meshes that move nothing.
 /// `geometry` gives the size; the rest of it is passed on.
-StereoRectification no_rectification(const StereoGeometry& geometry, int min_disparity);
+StereoRectification identity_rectification(const StereoGeometry& geometry, int min_disparity);
 
 }  // namespace fpga_stereo

@@ -2,15 +2,20 @@
 // parallel. The same bits as ReferencePipeline.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
+#include "fpga_stereo/core/result.hpp"
+#include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo {
+
+/// Wall-clock time of each stage in ms, indexed by Stage.
+using StageTimes = std::array<double, kNumStages>;
 
 /// What the pipeline makes of a pair. Valid until the next one is processed.
 struct DisparityFrame {
@@ -25,7 +30,7 @@ Status validate_image(const cv::Mat& raw, const StereoRectification& rectificati
                       const std::string& camera);
 
 /// rectify on the instructions of target(), over bands of rows, `num_threads` of them.
-void rectify_in_bands(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified);
+void rectify_image(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Mat& rectified);
 
 class Pipeline {
  public:
@@ -39,10 +44,9 @@ class Pipeline {
                                 const Parameters& parameters, int num_threads);
 
  private:
-  class Simd;
+  struct Implementation;
 
-  ReferencePipeline reference_;
-  std::unique_ptr<Simd> simd_;
+  std::unique_ptr<Implementation> implementation_;
   DisparityFrame frame_;
 };
 

@@ -17,7 +17,7 @@ enum class ErrorKind {
   kNotFound,      // no such device
   kBusy,          // another program has the device
   kPermission,    // the device may not be opened
-  kGone,          // the device was unplugged
+  kUnplugged,     // the device was unplugged
   kIo,            // the line does not work
   kIncompatible,  // a board that this software cannot work with
   kTimeout,       // no answer in time

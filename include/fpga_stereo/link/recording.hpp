@@ -56,7 +56,7 @@ class Recorder : public Transport {
 };
 
 /// What was read then is read again, at `speed` times its own pace (0: at once); what is written is
-/// swallowed. A recording that breaks off in a record ends there, with kGone as any other.
+/// swallowed. A recording that breaks off in a record ends there, with kUnplugged as any other.
 Result<std::unique_ptr<Transport>> open_replay(const std::string& path, double speed = 1);
 
 }  // namespace fpga_stereo::link

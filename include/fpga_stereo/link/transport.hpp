@@ -39,8 +39,9 @@ class Transport {
   virtual ~Transport() = default;
 
   /// Bytes that have come: 1 to `size` of them, or 0 where none came within `timeout`. Fails with
-  /// kGone where the device has been unplugged (or the file has ended), with kIo where the line
-  /// does not work; a transport that has failed so fails again, with kIo until recover() succeeds.
+  /// kUnplugged where the device has been unplugged (or the file has ended), with kIo where the
+  /// line does not work; a transport that has failed so fails again, with kIo until recover()
+  /// succeeds.
   [[nodiscard]] virtual Result<std::size_t> read(std::uint8_t* bytes, std::size_t size,
                                                  Timeout timeout) = 0;
 

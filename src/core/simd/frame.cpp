@@ -85,7 +85,7 @@ void Frame::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
   timed(Stage::kRectify, [&] {
     left_.sources.make(rectification.left.mesh, left_raw.size(), left_raw.step[0]);
     right_.sources.make(rectification.right.mesh, right_raw.size(), right_raw.step[0]);
-    in_bands(size.height, num_threads, [&](int, cv::Range rows) {
+    for_each_band(size.height, num_threads, [&](int, cv::Range rows) {
       for (int y = rows.start; y < rows.end; ++y) {
         left_.sources.rectify(left_raw, y, left_.rectified[y]);
         right_.sources.rectify(right_raw, y, right_.rectified[y]);
@@ -93,13 +93,13 @@ void Frame::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
     });
   });
   timed(Stage::kCensus, [&] {
-    in_bands(size.height, num_threads, [&](int, cv::Range rows) {
+    for_each_band(size.height, num_threads, [&](int, cv::Range rows) {
       census(left_, rows);
       census(right_, rows);
     });
   });
   const auto start = Clock::now();
-  in_bands(size.height, num_threads, [&](int band, cv::Range rows) {
+  for_each_band(size.height, num_threads, [&](int band, cv::Range rows) {
     disparity_rows(parameters, rows, bands_[static_cast<std::size_t>(band)]);
   });
   share_time(ms_since(start), out.ms);
