@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <fstream>
-#include <limits>
+#include <utility>
 #include <vector>
 
 namespace fpga_stereo {
@@ -50,9 +52,10 @@ Result<int> read_int(const Mapping& mapping, const std::string& key, int min, in
   if (!node.IsDefined()) return missing_key(mapping, key);
   int value = 0;
   if (!node.IsScalar() || !YAML::convert<int>::decode(node, value) || value < min || value > max) {
-    return format_error(
-        mapping, key,
-        fmt::format("= {}: allowed whole numbers from {} to {}", quoted(node), min, max));
+    const std::string allowed =
+        min == max ? fmt::format("allowed is {}", min)
+                   : fmt::format("allowed are whole numbers from {} to {}", min, max);
+    return format_error(mapping, key, fmt::format("= {}: {}", quoted(node), allowed));
   }
   return value;
 }

@@ -112,7 +112,7 @@ TEST(CameraInfoYaml, RefusesEveryMissingKey) {
 }
 
 TEST(CameraInfoYaml, RefusesSizesOutOfRange) {
-  const std::string allowed = ": allowed whole numbers from 1 to 65535";
+  const std::string allowed = ": allowed are whole numbers from 1 to 65535";
   for (const std::string value : {"0", "-640", "65536", "640.5", "99999999999999999999", "wide"}) {
     expect_error(changed("image_width: 640", "image_width: " + value),
                  "image_width = \"" + value + "\"" + allowed);
@@ -121,25 +121,23 @@ TEST(CameraInfoYaml, RefusesSizesOutOfRange) {
   expect_error(changed("image_width: 640", "image_width: [640]"),
                "image_width = (a list)" + allowed);
   expect_error(std::string(kFile) + "binning_x: -1\n",
-               "binning_x = \"-1\": allowed whole numbers from 0 to 65535");
+               "binning_x = \"-1\": allowed are whole numbers from 0 to 65535");
   expect_error(std::string(kFile) + "roi: {x_offset: -1}\n",
-               "roi.x_offset = \"-1\": allowed whole numbers from 0 to 65535");
+               "roi.x_offset = \"-1\": allowed are whole numbers from 0 to 65535");
   expect_error(std::string(kFile) + "roi: 5\n", "roi = \"5\": allowed is a mapping");
 }
 
 TEST(CameraInfoYaml, RefusesMatricesOfOtherShape) {
-  expect_error(changed("rows: 3", "rows: 4"),
-               "camera_matrix.rows = \"4\": allowed whole numbers from 3 to 3");
-  expect_error(changed("cols: 4", "cols: 3"),
-               "projection_matrix.cols = \"3\": allowed whole numbers from 4 to 4");
+  expect_error(changed("rows: 3", "rows: 4"), "camera_matrix.rows = \"4\": allowed is 3");
+  expect_error(changed("cols: 4", "cols: 3"), "projection_matrix.cols = \"3\": allowed is 4");
   expect_error(changed("306.25, 0, ", "306.25, "),
                "camera_matrix.data has 8 values: rows = 3 and cols = 3 require 9");
   expect_error(changed("cols: 5", "cols: 8"),
                "distortion_coefficients.data has 5 values: rows = 1 and cols = 8 require 8");
   expect_error(changed("cols: 5", "cols: 15"),
-               "distortion_coefficients.cols = \"15\": allowed whole numbers from 0 to 14");
+               "distortion_coefficients.cols = \"15\": allowed are whole numbers from 0 to 14");
   expect_error(changed("rows: 1\n  cols: 5", "rows: 2\n  cols: 5"),
-               "distortion_coefficients.cols = \"5\": allowed whole numbers from 0 to 1");
+               "distortion_coefficients.cols = \"5\": allowed are whole numbers from 0 to 1");
   expect_error(changed("camera_matrix:", "camera_matrix: 7\nother:"),
                "camera_matrix = \"7\": allowed is a mapping");
   expect_error(changed("[430.5, 0, 306.25, 0, 431, 227, 0, 0, 1]", "{a: 1}"),
