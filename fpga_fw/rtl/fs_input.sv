@@ -21,7 +21,7 @@
 //           A frame is cut if a pixel of it was filled in, and long if one was dropped. If a
 //           surplus pixel arrives after the frame has left the pipeline, only the counter reports
 //           it.
-// C++ twin  expected_frames() in test/rtl/ends.hpp
+// C++ twin  expected_frames() in test/rtl/input_output_rig.hpp
 // Schedule  clock 1, 2  fs_stream_fifo, so that ready_o is a register
 //           clock 3     decision; loads en_o and the raster
 //           clock 4     en_o = 1 and the raster holds the pixel that this tick consumes

@@ -1,165 +1,165 @@
-// The two ends of the gateware pipeline (fs_input, fs_output, fs_stream_fifo, with fs_registers and
-// fs_signature), with stages between them that only delay: test/rtl/fs_ends.sv.
+// Input and output of the gateware pipeline (fs_input, fs_output, fs_stream_fifo, fs_registers and
+// fs_signature) with delays in place of the stages: test/rtl/input_output.sv.
 #include <gtest/gtest.h>
 
 #include <random>
 #include <utility>
 #include <vector>
 
-#include "Ends.h"
-#include "EndsFew.h"
-#include "EndsTiny.h"
+#include "InputOutput.h"
+#include "InputOutputDeep.h"
+#include "InputOutputFew.h"
 #include "core/signature.hpp"
-#include "rtl/ends.hpp"
+#include "rtl/input_output_rig.hpp"
 
-namespace fpga_stereo::test::ends {
+namespace fpga_stereo::test::input_output {
 namespace {
 
-class Standard : public Bench<Ends> {
+class StandardRig : public InputOutputRig<InputOutput> {
  public:
-  explicit Standard(unsigned seed = 1) : Bench(3, seed) {}
+  explicit StandardRig(unsigned seed = 1) : InputOutputRig(3, seed) {}
 };
 
-TEST(InputOutput, WholeFramesInOrder) {
+TEST(InputOutput, PassesCompleteFramesInOrder) {
   const double idles[] = {0, 0.3, 0.9};
-  Standard bench(2);
+  StandardRig rig(2);
   for (const auto& [width, height] :
        {std::pair{16, 1}, {16, 2}, {17, 3}, {16, 4}, {23, 7}, {64, 9}}) {
-    bench.configure(width, height);
+    rig.apply_size(width, height);
     for (const double source_idle : idles) {
       for (const double sink_idle : idles) {
         SCOPED_TRACE(::testing::Message() << width << " x " << height << ", idle " << source_idle
                                           << " and " << sink_idle);
-        bench.source_idle = source_idle;
-        bench.sink_idle = sink_idle;
-        check(bench, whole_frames(width, height, 5), width, height);
+        rig.source_idle = source_idle;
+        rig.sink_idle = sink_idle;
+        send_and_check(rig, complete_frames(width, height, 5), width, height);
         if (HasFatalFailure()) return;
       }
     }
   }
 }
 
-TEST(InputOutput, GapsOfAnyLength) {
-  Standard bench(3);
-  bench.configure(16, 4);
+TEST(InputOutput, AcceptsGapsOfAnyLength) {
+  StandardRig rig(3);
+  rig.apply_size(16, 4);
   std::mt19937 random(3);
   for (int i = 0; i < 60; ++i) {
-    auto stream = whole_frames(16, 4, 4, i);
+    auto stream = complete_frames(16, 4, 4, i);
     for (Pixel& p : stream) {
       if (p.sof || random() % 40 == 0) p.idle_clocks = static_cast<int>(random() % 300);
     }
-    check(bench, stream, 16, 4);
+    send_and_check(rig, stream, 16, 4);
     if (HasFatalFailure()) return;
   }
 }
 
-TEST(InputOutput, BackToBackAPixelPerClock) {
-  Standard bench;
+TEST(InputOutput, PassesOnePixelPerClockBackToBack) {
+  StandardRig rig;
   for (const auto& [width, height] : {std::pair{16, 3}, {31, 4}, {64, 11}, {16, 1}, {20, 2}}) {
     SCOPED_TRACE(::testing::Message() << width << " x " << height);
-    bench.configure(width, height);
-    const std::size_t first = bench.frames.size();
-    const auto stream = whole_frames(width, height, 9);
-    bench.send(stream);
-    bench.run_until(first + 9);
+    rig.apply_size(width, height);
+    const std::size_t first = rig.frames.size();
+    const auto stream = complete_frames(width, height, 9);
+    rig.send(stream);
+    rig.run_until(first + 9);
     if (HasFailure()) return;
-    expect(bench, expected_frames(stream, width, height), first);
+    expect_equal(rig, expected_frames(stream, width, height), first);
     if (HasFailure()) return;
     for (std::size_t i = first + 1; i < first + 9; ++i) {
-      EXPECT_EQ(bench.first_words[i] - bench.first_words[i - 1], width * std::max(height, 3));
+      EXPECT_EQ(rig.first_words[i] - rig.first_words[i - 1], width * std::max(height, 3));
     }
   }
 }
 
-TEST(InputOutput, LastFrameComesOutAndThenAllIsStill) {
-  Standard bench;
-  bench.configure(16, 5);
-  const auto stream = whole_frames(16, 5, 2);
-  bench.send(stream);
-  bench.run_until(2);
+TEST(InputOutput, FlushesTheLastFrameThenStops) {
+  StandardRig rig;
+  rig.apply_size(16, 5);
+  const auto stream = complete_frames(16, 5, 2);
+  rig.send(stream);
+  rig.run_until(2);
   if (HasFailure()) return;
-  expect(bench, expected_frames(stream, 16, 5));
-  EXPECT_FALSE(bench.busy());
-  bench.run(40);  // the rest of a row of bubbles
-  const auto ticks = bench.ticks;
-  bench.run(1000);
-  EXPECT_EQ(bench.ticks, ticks);
-  // The latency is that of fs_ends: 7 rows and 7 ticks behind the last pixel, and rows are
-  // completed.
-  EXPECT_EQ(bench.ticks, 16 * (2 * 5 + 8));
+  expect_equal(rig, expected_frames(stream, 16, 5));
+  EXPECT_FALSE(rig.is_busy());
+  rig.run(40);  // completes the row of bubbles
+  const auto ticks = rig.ticks;
+  rig.run(1000);
+  EXPECT_EQ(rig.ticks, ticks);
+  // input_output.sv delays by 7 rows and 7 ticks, and the last row of bubbles is completed.
+  EXPECT_EQ(rig.ticks, 16 * (2 * 5 + 8));
 }
 
-TEST(InputOutput, SignatureIsThereWhenAllIsStill) {
-  Standard bench;
-  bench.configure(16, 5);
+TEST(InputOutput, UpdatesSignaturesOnceThePipelineIsIdle) {
+  StandardRig rig;
+  rig.apply_size(16, 5);
   for (int i = 0; i < 3; ++i) {
-    const auto stream = whole_frames(16, 5, 2, i);
-    bench.send(stream);
-    bench.run_until(2 * (i + 1));
+    const auto stream = complete_frames(16, 5, 2, i);
+    rig.send(stream);
+    rig.run_until(2 * (i + 1));
     if (HasFailure()) return;
     Signature signature;
-    for (const std::uint16_t value : bench.frames.back().pixels) signature.add(value);
-    bench.run(40);
-    EXPECT_EQ(bench.read(spec::kRegSignatureRectify), signature.value());
-    EXPECT_EQ(bench.read(spec::kRegSignatureSpeckle), signature.value());
+    for (const std::uint16_t value : rig.frames.back().pixels) signature.add(value);
+    rig.run(40);
+    EXPECT_EQ(rig.read(spec::kRegSignatureRectify), signature.value());
+    EXPECT_EQ(rig.read(spec::kRegSignatureSpeckle), signature.value());
   }
 }
 
-TEST(InputOutput, CutAtEveryPixel) {
+TEST(InputOutput, PadsFramesCutAtAnyPixel) {
   const int width = 16, height = 4;
-  Standard bench;
-  bench.configure(width, height);
+  StandardRig rig;
+  rig.apply_size(width, height);
   for (const double idle : {0., 0.4}) {
-    bench.source_idle = bench.sink_idle = idle;
+    rig.source_idle = rig.sink_idle = idle;
     for (int length = 1; length < width * height; ++length) {
       SCOPED_TRACE(length);
-      auto stream = whole_frames(width, height, 2);
+      auto stream = complete_frames(width, height, 2);
       stream.resize(width * height + length);
-      check(bench, stream, width, height);
+      send_and_check(rig, stream, width, height);
       if (HasFatalFailure()) return;
     }
   }
 }
 
-TEST(InputOutput, PadsAtATickPerClock) {
+TEST(InputOutput, PadsOnePixelPerClock) {
   const int width = 16, height = 4;
-  Standard bench;
-  bench.configure(width, height);
+  StandardRig rig;
+  rig.apply_size(width, height);
   std::vector<Pixel> stream;
   for (const int length : {64, 1, 20, 64, 16, 63, 64}) {
-    auto frame = whole_frames(width, height, 1, length);
+    auto frame = complete_frames(width, height, 1, length);
     frame.resize(length);
     stream.insert(stream.end(), frame.begin(), frame.end());
   }
-  bench.send(stream);
-  bench.run_until(7);
+  rig.send(stream);
+  rig.run_until(7);
   if (HasFailure()) return;
-  expect(bench, expected_frames(stream, width, height));
+  expect_equal(rig, expected_frames(stream, width, height));
   for (int i = 1; i < 7; ++i) {
-    EXPECT_EQ(bench.first_words[i] - bench.first_words[i - 1], width * height);
+    EXPECT_EQ(rig.first_words[i] - rig.first_words[i - 1], width * height);
   }
 }
 
-TEST(InputOutput, ShortAndLongLines) {
+TEST(InputOutput, FlagsShortAndLongLines) {
   const int width = 16, height = 4;
-  Standard bench;
-  bench.configure(width, height);
+  StandardRig rig;
+  rig.apply_size(width, height);
   for (const double idle : {0., 0.4}) {
-    bench.source_idle = bench.sink_idle = idle;
+    rig.source_idle = rig.sink_idle = idle;
     for (int y = 0; y < height; ++y) {
       for (const int length : {1, 2, 14, 15, 17, 18, 31, 32, 33, 50}) {
         for (const bool ended : {true, false}) {
-          SCOPED_TRACE(::testing::Message() << "line " << y << " of " << length << " " << ended);
+          SCOPED_TRACE(::testing::Message() << "line " << y << " has " << length << " pixels and "
+                                            << (ended ? "an eol" : "no eol"));
           std::mt19937 random(y);
-          std::vector<Pixel> stream = whole_frames(width, height, 1);
+          std::vector<Pixel> stream = complete_frames(width, height, 1);
           for (int line = 0; line < height; ++line) {
             const int pixels = line == y ? length : width;
             for (int x = 0; x < pixels; ++x) {
               const bool eol = x == pixels - 1 && (line != y || ended);
-              stream.push_back({line == 0 && x == 0, eol, some_value(random)});
+              stream.push_back({line == 0 && x == 0, eol, random_value(random)});
             }
           }
-          check(bench, stream, width, height);
+          send_and_check(rig, stream, width, height);
           if (HasFatalFailure()) return;
         }
       }
@@ -167,231 +167,231 @@ TEST(InputOutput, ShortAndLongLines) {
   }
 }
 
-TEST(InputOutput, MissingEolAtTheVeryEndIsNoFault) {
-  Standard bench;
-  bench.configure(16, 4);
-  auto stream = whole_frames(16, 4, 1);
+TEST(InputOutput, AcceptsALastPixelWithoutEol) {
+  StandardRig rig;
+  rig.apply_size(16, 4);
+  auto stream = complete_frames(16, 4, 1);
   stream.back().eol = false;
-  ASSERT_FALSE(expected_frames(stream, 16, 4)[0].bad());
-  check(bench, stream, 16, 4);
+  ASSERT_FALSE(expected_frames(stream, 16, 4)[0].is_bad());
+  send_and_check(rig, stream, 16, 4);
 }
 
-TEST(InputOutput, PixelsBeforeTheFirstFrameAndAfterTheLastLine) {
-  Standard bench;
+TEST(InputOutput, DropsPixelsBeforeTheFirstFrameAndAfterTheLastLine) {
+  StandardRig rig;
   std::mt19937 random(1);
   std::vector<Pixel> noise;
-  for (int i = 0; i < 40; ++i) noise.push_back({false, i % 7 == 3, some_value(random)});
-  bench.send(noise);
-  bench.run(100);
-  EXPECT_EQ(bench.read(spec::kRegLongFrames), 0U);
-  bench.configure(16, 4);
+  for (int i = 0; i < 40; ++i) noise.push_back({false, i % 7 == 3, random_value(random)});
+  rig.send(noise);
+  rig.run(100);
+  EXPECT_EQ(rig.read(spec::kRegLongFrames), 0U);
+  rig.apply_size(16, 4);
   auto stream = noise;
   const auto add = [&](const std::vector<Pixel>& more) {
     stream.insert(stream.end(), more.begin(), more.end());
   };
-  add(whole_frames(16, 4, 2));
+  add(complete_frames(16, 4, 2));
   add(noise);
-  add(whole_frames(16, 4, 1));
+  add(complete_frames(16, 4, 1));
   add({{false, true, 5}});
-  check(bench, stream, 16, 4);
+  send_and_check(rig, stream, 16, 4);
 }
 
-TEST(InputOutput, SurplusThatComesLateIsCounted) {
-  Standard bench;
-  bench.configure(16, 4);
-  bench.send(whole_frames(16, 4, 1));
-  bench.run_until(1);
+TEST(InputOutput, CountsSurplusPixelsAfterTheFrameIsOut) {
+  StandardRig rig;
+  rig.apply_size(16, 4);
+  rig.send(complete_frames(16, 4, 1));
+  rig.run_until(1);
   if (HasFailure()) return;
-  EXPECT_FALSE(bench.frames[0].bad);
-  bench.run(100);
-  bench.send({{false, false, 1}, {false, true, 2}});
-  bench.run(20);
-  EXPECT_EQ(bench.read(spec::kRegLongFrames), 1U);
-  bench.send(whole_frames(16, 4, 2));
-  bench.run_until(3);
+  EXPECT_FALSE(rig.frames[0].is_bad);
+  rig.run(100);
+  rig.send({{false, false, 1}, {false, true, 2}});
+  rig.run(20);
+  EXPECT_EQ(rig.read(spec::kRegLongFrames), 1U);
+  rig.send(complete_frames(16, 4, 2));
+  rig.run_until(3);
   if (HasFailure()) return;
-  EXPECT_FALSE(bench.frames[1].bad);
-  EXPECT_FALSE(bench.frames[2].bad);
+  EXPECT_FALSE(rig.frames[1].is_bad);
+  EXPECT_FALSE(rig.frames[2].is_bad);
 }
 
-TEST(InputOutput, SpoiledFrames) {
+TEST(InputOutput, HandlesRandomFaults) {
   std::mt19937 random(11);
-  Standard bench(4);
+  StandardRig rig(4);
   for (int i = 0; i < 150; ++i) {
     SCOPED_TRACE(i);
     const int width = 16 + static_cast<int>(random() % 5),
               height = 1 + static_cast<int>(random() % 5);
-    bench.configure(width, height);
-    bench.source_idle = random() % 3 == 0 ? 0.3 : 0;
-    bench.sink_idle = random() % 3 == 0 ? 0.3 : 0;
-    check(bench, spoiled_frames(width, height, 12, random), width, height);
+    rig.apply_size(width, height);
+    rig.source_idle = random() % 3 == 0 ? 0.3 : 0;
+    rig.sink_idle = random() % 3 == 0 ? 0.3 : 0;
+    send_and_check(rig, faulty_frames(width, height, 12, random), width, height);
     if (HasFatalFailure()) return;
   }
 }
 
-TEST(InputOutput, ManyTinyFramesInFlight) {
-  // 130 rows of latency, frames of one row: about 130 at a time.
-  Bench<EndsTiny> bench(1, 1);
-  bench.configure(16, 1);
+TEST(InputOutput, Holds130TinyFramesInFlight) {
+  // The latency is 130 rows and a frame has one row, so about 130 frames are in flight.
+  InputOutputRig<InputOutputDeep> rig(1, 1);
+  rig.apply_size(16, 1);
   std::mt19937 random(1);
   for (const double idle : {0., 0.3}) {
-    bench.source_idle = bench.sink_idle = idle;
-    check(bench, spoiled_frames(16, 1, 900, random, 40), 16, 1);
+    rig.source_idle = rig.sink_idle = idle;
+    send_and_check(rig, faulty_frames(16, 1, 900, random, 40), 16, 1);
     if (HasFatalFailure()) return;
   }
-  EXPECT_GE(bench.most_in_flight, 125);
+  EXPECT_GE(rig.max_in_flight, 125);
 }
 
-TEST(InputOutput, NoMoreFramesInFlightThanFlagsForThem) {
-  // 7 rows of latency, but at most 3 frames: a further one waits.
-  Bench<EndsFew> bench(1, 1);
-  bench.configure(16, 1);
+TEST(InputOutput, LimitsFramesInFlightToTheFlagsItStores) {
+  // The latency is 7 rows, but only 3 frames may be in flight: a fourth one waits.
+  InputOutputRig<InputOutputFew> rig(1, 1);
+  rig.apply_size(16, 1);
   std::mt19937 random(1);
-  check(bench, spoiled_frames(16, 1, 60, random), 16, 1);
-  EXPECT_EQ(bench.most_in_flight, 3);
+  send_and_check(rig, faulty_frames(16, 1, 60, random), 16, 1);
+  EXPECT_EQ(rig.max_in_flight, 3);
 }
 
-TEST(InputOutput, NewConfigurationBetweenFrames) {
-  // Frames back to back, of sizes that change with a request at a random time before.
+TEST(InputOutput, AppliesConfigurationsBetweenFrames) {
+  // Sends frames back to back and requests a new size at a random time before each change.
   std::mt19937 random(5);
   for (int i = 0; i < 40; ++i) {
     SCOPED_TRACE(i);
-    Standard bench(i);
-    bench.source_idle = i % 2 == 0 ? 0 : 0.2;
-    bench.sink_idle = i % 3 == 0 ? 0.2 : 0;
+    StandardRig rig(i);
+    rig.source_idle = i % 2 == 0 ? 0 : 0.2;
+    rig.sink_idle = i % 3 == 0 ? 0.2 : 0;
     int width = 16, height = 4;
-    bench.configure(width, height);
-    const auto applies = bench.applies;
+    rig.apply_size(width, height);
+    const auto applies = rig.applies;
     std::size_t out = 0;
     int begun = 0;
     for (int change = 0; change < 4; ++change) {
       const int frames = 1 + static_cast<int>(random() % 3);
-      const auto stream = whole_frames(width, height, frames, random());
-      bench.send(stream);
-      // The request comes once the last of these frames has begun; all behind it waits.
+      const auto stream = complete_frames(width, height, frames, random());
+      rig.send(stream);
+      // The request comes after the last of these frames has begun; later frames wait for it.
       begun += frames;
-      for (int n = 0; bench.begun < begun && n < 20000; ++n) bench.run(1);
-      ASSERT_EQ(bench.begun, begun);
-      bench.run(static_cast<int>(random() % static_cast<unsigned>(width * height)));
+      for (int n = 0; rig.frames_begun < begun && n < 20000; ++n) rig.run(1);
+      ASSERT_EQ(rig.frames_begun, begun);
+      rig.run(static_cast<int>(random() % static_cast<unsigned>(width * height)));
       const auto expected = expected_frames(stream, width, height);
       width = 16 + static_cast<int>(random() % 49), height = 1 + static_cast<int>(random() % 6);
-      bench.request(width, height);
+      rig.request_size(width, height);
       if (change % 2 == 0) {
-        bench.send(whole_frames(width, height, 1, change));
+        rig.send(complete_frames(width, height, 1, change));
         ++begun;
       }
-      for (int n = 0; bench.pending() && n < 20000; ++n) bench.run(1);
-      ASSERT_FALSE(bench.pending());
-      ASSERT_GE(bench.frames.size() + 1, out + expected.size());
-      bench.run_until(out + expected.size() + (change % 2 == 0 ? 1 : 0));
+      for (int n = 0; rig.is_pending() && n < 20000; ++n) rig.run(1);
+      ASSERT_FALSE(rig.is_pending());
+      ASSERT_GE(rig.frames.size() + 1, out + expected.size());
+      rig.run_until(out + expected.size() + (change % 2 == 0 ? 1 : 0));
       ASSERT_FALSE(HasFailure());
       for (std::size_t k = 0; k < expected.size(); ++k) {
-        ASSERT_EQ(bench.frames[out + k].pixels, expected[k].pixels);
-        ASSERT_FALSE(bench.frames[out + k].bad);
+        ASSERT_EQ(rig.frames[out + k].pixels, expected[k].pixels);
+        ASSERT_FALSE(rig.frames[out + k].is_bad);
       }
       if (change % 2 == 0) {
-        const auto next = expected_frames(whole_frames(width, height, 1, change), width, height);
-        ASSERT_EQ(bench.frames.back().pixels, next[0].pixels);
-        ASSERT_FALSE(bench.frames.back().bad);
-        ASSERT_EQ(bench.frames.back().width, width);
+        const auto next = expected_frames(complete_frames(width, height, 1, change), width, height);
+        ASSERT_EQ(rig.frames.back().pixels, next[0].pixels);
+        ASSERT_FALSE(rig.frames.back().is_bad);
+        ASSERT_EQ(rig.frames.back().width, width);
       }
-      out = bench.frames.size();
+      out = rig.frames.size();
     }
-    ASSERT_EQ(bench.applies, applies + 4);
+    ASSERT_EQ(rig.applies, applies + 4);
   }
 }
 
-TEST(InputOutput, ConfigurationWaitsForTheFrameUnderWay) {
-  Standard bench;
-  bench.configure(16, 4);
-  auto stream = whole_frames(16, 4, 1);
+TEST(InputOutput, AppliesAConfigurationAfterTheFrameInFlight) {
+  StandardRig rig;
+  rig.apply_size(16, 4);
+  auto stream = complete_frames(16, 4, 1);
   const std::vector<Pixel> rest(stream.begin() + 40, stream.end());
   stream.resize(40);
-  bench.send(stream);
-  bench.run(200);
-  bench.request(20, 5);
-  bench.run(500);
-  EXPECT_TRUE(bench.pending());
-  EXPECT_EQ(bench.model.width_o, 16);
-  bench.send(rest);
-  bench.run_until(1);
+  rig.send(stream);
+  rig.run(200);
+  rig.request_size(20, 5);
+  rig.run(500);
+  EXPECT_TRUE(rig.is_pending());
+  EXPECT_EQ(rig.model.width_o, 16);
+  rig.send(rest);
+  rig.run_until(1);
   if (HasFailure()) return;
-  expect(bench, expected_frames(whole_frames(16, 4, 1), 16, 4));
-  bench.run(40);
-  EXPECT_FALSE(bench.pending());
-  EXPECT_EQ(bench.model.width_o, 20);
+  expect_equal(rig, expected_frames(complete_frames(16, 4, 1), 16, 4));
+  rig.run(40);
+  EXPECT_FALSE(rig.is_pending());
+  EXPECT_EQ(rig.model.width_o, 20);
 }
 
-TEST(InputOutput, RefusedConfigurationChangesNothing) {
-  Standard bench;
-  bench.configure(16, 4);
-  const auto applies = bench.applies;
+TEST(InputOutput, IgnoresARefusedConfiguration) {
+  StandardRig rig;
+  rig.apply_size(16, 4);
+  const auto applies = rig.applies;
   for (const auto& [width, height] : {std::pair{15, 4}, {65, 4}, {16, 0}, {16, 1201}}) {
-    bench.write(spec::kRegErrors, 0xFFFFFFFF);
-    bench.request(width, height);
-    bench.run(2);
-    EXPECT_EQ(bench.read(spec::kRegErrors), spec::kErrorsConfig.put(1));
-    EXPECT_FALSE(bench.pending());
-    const std::size_t first = bench.frames.size();
-    const auto stream = whole_frames(16, 4, 3);
-    bench.send(stream);
-    bench.run_until(first + 3);
+    rig.write(spec::kRegErrors, 0xFFFFFFFF);
+    rig.request_size(width, height);
+    rig.run(2);
+    EXPECT_EQ(rig.read(spec::kRegErrors), spec::kErrorsConfig.put(1));
+    EXPECT_FALSE(rig.is_pending());
+    const std::size_t first = rig.frames.size();
+    const auto stream = complete_frames(16, 4, 3);
+    rig.send(stream);
+    rig.run_until(first + 3);
     if (HasFailure()) return;
-    expect(bench, expected_frames(stream, 16, 4), first);
-    bench.run(100);
+    expect_equal(rig, expected_frames(stream, 16, 4), first);
+    rig.run(100);
   }
-  EXPECT_EQ(bench.applies, applies);
+  EXPECT_EQ(rig.applies, applies);
 }
 
-TEST(InputOutput, WithdrawnConfigurationChangesNothing) {
-  Standard bench;
-  bench.configure(16, 4);
-  const auto stream = whole_frames(16, 4, 2);
-  bench.send(stream);
-  bench.run(50);
-  bench.request(20, 5);
-  bench.run(5);
-  EXPECT_TRUE(bench.pending());
-  bench.write(spec::kRegWidth, 5000);
-  EXPECT_FALSE(bench.pending());
-  bench.run_until(2);
+TEST(InputOutput, IgnoresAWithdrawnConfiguration) {
+  StandardRig rig;
+  rig.apply_size(16, 4);
+  const auto stream = complete_frames(16, 4, 2);
+  rig.send(stream);
+  rig.run(50);
+  rig.request_size(20, 5);
+  rig.run(5);
+  EXPECT_TRUE(rig.is_pending());
+  rig.write(spec::kRegWidth, 5000);
+  EXPECT_FALSE(rig.is_pending());
+  rig.run_until(2);
   if (HasFailure()) return;
-  expect(bench, expected_frames(stream, 16, 4));
-  bench.run(100);
-  EXPECT_EQ(bench.model.width_o, 16);
-  // In every clock around the one in which it would take effect: all of the old or all of the new.
+  expect_equal(rig, expected_frames(stream, 16, 4));
+  rig.run(100);
+  EXPECT_EQ(rig.model.width_o, 16);
+  // Withdraws in every clock around the one that applies: the size is entirely old or entirely new.
   for (int wait = 0; wait < 20; ++wait) {
-    bench.configure(16, 4);
-    bench.request(20, 5);
-    bench.run(wait);
-    bench.write(spec::kRegWidth, 33);
-    bench.run(40);
-    EXPECT_TRUE((bench.model.width_o == 16 && bench.model.height_o == 4) ||
-                (bench.model.width_o == 20 && bench.model.height_o == 5));
+    rig.apply_size(16, 4);
+    rig.request_size(20, 5);
+    rig.run(wait);
+    rig.write(spec::kRegWidth, 33);
+    rig.run(40);
+    EXPECT_TRUE((rig.model.width_o == 16 && rig.model.height_o == 4) ||
+                (rig.model.width_o == 20 && rig.model.height_o == 5));
   }
 }
 
-TEST(InputOutput, ResetAtAnyTime) {
+TEST(InputOutput, RecoversFromAResetAtAnyTime) {
   std::mt19937 random(9);
-  Standard bench(6);
+  StandardRig rig(6);
   for (int i = 0; i < 120; ++i) {
     SCOPED_TRACE(i);
-    bench.configure(16 + i % 3, 4);
-    bench.source_idle = i % 2 == 0 ? 0 : 0.3;
-    bench.sink_idle = i % 4 < 2 ? 0 : 0.3;
-    bench.send(spoiled_frames(16 + i % 3, 4, 6, random));
-    bench.run(static_cast<int>(random() % 600));
-    bench.reset(1 + i % 3);
-    bench.frames.clear();
-    bench.configure(16 + i % 2, 3);
-    // The source goes on within a frame: that one is lost, whatever comes behind it is right.
-    auto stream = whole_frames(16 + i % 2, 3, 3, i);
+    rig.apply_size(16 + i % 3, 4);
+    rig.source_idle = i % 2 == 0 ? 0 : 0.3;
+    rig.sink_idle = i % 4 < 2 ? 0 : 0.3;
+    rig.send(faulty_frames(16 + i % 3, 4, 6, random));
+    rig.run(static_cast<int>(random() % 600));
+    rig.reset(1 + i % 3);
+    rig.frames.clear();
+    rig.apply_size(16 + i % 2, 3);
+    // The source continues in the middle of a frame: that frame is lost, all later ones are intact.
+    auto stream = complete_frames(16 + i % 2, 3, 3, i);
     stream.erase(stream.begin(), stream.begin() + 1 + random() % 40);
-    check(bench, stream, 16 + i % 2, 3);
+    send_and_check(rig, stream, 16 + i % 2, 3);
     if (HasFatalFailure()) return;
-    ASSERT_EQ(bench.frames.size(), 3U);
+    ASSERT_EQ(rig.frames.size(), 3U);
   }
 }
 
 }  // namespace
-}  // namespace fpga_stereo::test::ends
+}  // namespace fpga_stereo::test::input_output

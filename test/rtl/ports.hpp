@@ -1,4 +1,4 @@
-// Bit fields of Verilated ports of any width.
+// Reads and writes bit fields of Verilated ports of any width.
 #pragma once
 
 #include <verilated.h>
@@ -10,7 +10,7 @@
 
 namespace fpga_stereo::test {
 
-/// Bits lsb .. lsb + count - 1 of a port; count <= 32.
+/// Returns bits lsb .. lsb + count - 1 of a port; count <= 32.
 template <class Port>
 std::uint32_t get_bits(const Port& port, int lsb, int count) {
   const std::uint64_t mask = (std::uint64_t{1} << count) - 1;
@@ -23,6 +23,7 @@ std::uint32_t get_bits(const Port& port, int lsb, int count) {
   }
 }
 
+/// Sets bits lsb .. lsb + count - 1 of a port to the low bits of `value`; count <= 32.
 template <class Port>
 void set_bits(Port& port, int lsb, int count, std::uint32_t value) {
   for (int bit = 0; bit < count; ++bit) {
@@ -38,7 +39,7 @@ void set_bits(Port& port, int lsb, int count, std::uint32_t value) {
   }
 }
 
-/// Random bits in the lowest `count`.
+/// Sets the lowest `count` bits of a port at random.
 template <class Port>
 void set_random(Port& port, int count, std::mt19937& random) {
   for (int lsb = 0; lsb < count; lsb += 32) {

@@ -1,4 +1,4 @@
-// The register bus of fs_registers, as models have it.
+// Accesses to the register bus of fs_registers in a Verilated model.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 namespace fpga_stereo::test {
 
-/// `clock()` makes one clock of `model`.
+/// Writes one register; `clock()` must run one clock of `model`.
 template <class Model, class Clock>
 void write_register(Model& model, const Clock& clock, std::uint32_t address, std::uint32_t data) {
   model.write_i = 1;
@@ -17,7 +17,7 @@ void write_register(Model& model, const Clock& clock, std::uint32_t address, std
   model.write_i = 0;
 }
 
-/// The answer, which comes with the next clock.
+/// Reads one register; the value is valid one clock after the address.
 template <class Model, class Clock>
 std::uint32_t read_register(Model& model, const Clock& clock, std::uint32_t address) {
   model.read_i = 1;

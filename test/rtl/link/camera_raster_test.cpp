@@ -1,4 +1,5 @@
-// fs_cameras and fs_input: what one bad frame costs. Frames are larger than all FIFOs between.
+// fs_cameras and fs_input: a bad frame must not damage its neighbours. A frame is larger than all
+// FIFOs between the sensors and the pipeline.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace fpga_stereo::test {
 namespace {
 
 constexpr int kWidth = 32, kHeight = 48;
-constexpr int kRowClocks = 4 * (kWidth + 4);  // of the sensors
+constexpr int kRowClocks = 4 * (kWidth + 4);  // core clocks per sensor row
 
 struct Frame {
   std::vector<int> pixels;  // left << 8 | right
@@ -40,7 +41,7 @@ class RasterRig {
     for (auto& pixel : image) pixel = static_cast<std::uint8_t>(1 + random_() % 255);
     return image;
   }
-  /// A pair of frames that must come out whole.
+  /// Sends a pair and expects it to come out complete.
   void send() {
     const cv::Mat1b left = image(), right = image();
     sensors[1].frame(left, kBlanking);
@@ -51,25 +52,27 @@ class RasterRig {
     }
     expected.push_back(frame);
   }
-  /// A pair of which the sensors of `who` (bits) lose the end of a row.
-  void send_damaged(int who, int row, int pixels_left) {
+  /// Sends a pair in which the sensors of `damaged_sensors` (a bit for each) send only the first
+  /// `pixels_left` pixels of a row.
+  void send_damaged(int damaged_sensors, int row, int pixels_left) {
     for (int k = 0; k < 2; ++k) {
       const cv::Mat1b pixels = image();
       sensors[k].blank(kBlanking.before_first);
       for (int y = 0; y < kHeight; ++y) {
-        const int kept = y == row && (who >> k & 1) != 0 ? pixels_left : kWidth;
+        const int kept = y == row && (damaged_sensors >> k & 1) != 0 ? pixels_left : kWidth;
         sensors[k].line(pixels[y], kept);
         sensors[k].blank(kWidth - kept + kBlanking.lines);
       }
       sensors[k].idle(kBlanking.frame);
     }
   }
+  /// Runs until both sensors have sent everything and the pipeline has received it.
   void finish() {
     for (int i = 0; i < 40000 && !(sensors[0].done() && sensors[1].done()); ++i) run(10);
     ASSERT_TRUE(sensors[0].done() && sensors[1].done());
     run(kHeight * kWidth + 2000);
   }
-  /// Clocks of the core, four of them to one of the sensors.
+  /// Runs core clocks; a sensor clock takes four of them.
   void run(int clocks) {
     for (; clocks > 0; --clocks) {
       model.eval();
@@ -90,13 +93,13 @@ class RasterRig {
       clock_ = (clock_ + 1) % 4;
     }
   }
-  /// Frames whose pixels are right and unmarked.
-  std::vector<Frame> good() const {
-    std::vector<Frame> good;
+  /// Returns the received frames that are neither cut nor long.
+  std::vector<Frame> intact_frames() const {
+    std::vector<Frame> intact;
     for (const Frame& frame : frames) {
-      if (!frame.cut && !frame.is_long) good.push_back(frame);
+      if (!frame.cut && !frame.is_long) intact.push_back(frame);
     }
-    return good;
+    return intact;
   }
 
   CameraRaster model;
@@ -119,28 +122,28 @@ class RasterRig {
   int clock_ = 0;
 };
 
-TEST(RtlCameraRaster, ADamagedFrameCostsNoOther) {
-  // {row, pixels of it that come}: early, late, so that one pixel would make the frame whole, and a
-  // first line that is no more than a pixel.
+TEST(RtlCameraRaster, ADamagedFrameLeavesOthersIntact) {
+  // {row, pixels sent of it}: early and late in the frame, the last pixel or the last two missing,
+  // and a first line of one pixel.
   const int damages[][2] = {
       {2, kWidth - 1}, {30, 7}, {kHeight - 1, kWidth - 1}, {kHeight - 1, kWidth - 2}, {0, 1}};
   for (const auto& [row, pixels] : damages) {
-    for (int who = 1; who <= 3; ++who) {
-      SCOPED_TRACE(testing::Message() << "row " << row << ", sensors " << who);
-      RasterRig rig(10 * row + who);
+    for (int damaged_sensors = 1; damaged_sensors <= 3; ++damaged_sensors) {
+      SCOPED_TRACE(testing::Message() << "row " << row << ", sensors " << damaged_sensors);
+      RasterRig rig(10 * row + damaged_sensors);
       rig.send();
-      rig.send_damaged(who, row, pixels);
+      rig.send_damaged(damaged_sensors, row, pixels);
       for (int i = 0; i < 3; ++i) rig.send();
       rig.finish();
-      EXPECT_EQ(rig.good(), rig.expected);
-      // Nothing of a frame goes out before its first line is known to be more than a pixel.
+      EXPECT_EQ(rig.intact_frames(), rig.expected);
+      // A frame goes out only once its first line has more than one pixel.
       ASSERT_EQ(rig.frames.size(), row == 0 ? 4U : 5U);
       EXPECT_EQ(rig.frames[1].cut, row != 0);
     }
   }
 }
 
-TEST(RtlCameraRaster, AFrameThatIsHeldUpTooLongCostsNoOther) {
+TEST(RtlCameraRaster, AFrameStalledTooLongLeavesOthersIntact) {
   for (const int row : {0, 5, 20}) {
     SCOPED_TRACE(row);
     RasterRig rig(row);
@@ -149,23 +152,23 @@ TEST(RtlCameraRaster, AFrameThatIsHeldUpTooLongCostsNoOther) {
     rig.expected.pop_back();
     rig.send();
     rig.send();
-    const auto begins = [&](std::size_t frames) {
+    const auto run_until_begun = [&](std::size_t frames) {
       for (int i = 0; i < 100000 && rig.frames.size() < frames; ++i) rig.run(1);
       ASSERT_EQ(rig.frames.size(), frames);
     };
-    begins(2);
+    run_until_begun(2);
     rig.run(row * kRowClocks);
     rig.model.room_i = 0;
     rig.run(12 * kRowClocks);
     rig.model.room_i = 1;
     rig.finish();
-    EXPECT_EQ(rig.good(), rig.expected);
+    EXPECT_EQ(rig.intact_frames(), rig.expected);
     ASSERT_EQ(rig.frames.size(), 4U);
     EXPECT_TRUE(rig.frames[1].cut);
   }
 }
 
-TEST(RtlCameraRaster, AFrameIsCompletedWithoutItsSensors) {
+TEST(RtlCameraRaster, CompletesAFrameWhoseSensorsStop) {
   RasterRig rig(1);
   rig.send();
   rig.send();
@@ -177,11 +180,11 @@ TEST(RtlCameraRaster, AFrameIsCompletedWithoutItsSensors) {
   ASSERT_EQ(rig.frames.size(), 2U);
   EXPECT_EQ(rig.frames[1].pixels.size(), std::size_t{kWidth * kHeight});
   EXPECT_TRUE(rig.frames[1].cut);
-  // What they go on with is dropped, up to a frame.
+  // The rest of the frame is dropped when the sensors continue.
   rig.sensors_run = true;
   rig.send();
   rig.finish();
-  EXPECT_EQ(rig.good(), rig.expected);
+  EXPECT_EQ(rig.intact_frames(), rig.expected);
   EXPECT_EQ(rig.frames.size(), 3U);
 }
 

@@ -1,5 +1,5 @@
-// fs_cameras between two sensors that are not always well and a stream that is not always ready;
-// fs_sensor_setup with two sensors on its buses.
+// fs_cameras with two sensors that may fail and an output that may stall; fs_sensor_setup with two
+// sensors on its buses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +15,9 @@ namespace {
 
 constexpr int kWidth = 20, kHeight = 6;  // of the sensors
 constexpr int kMaxSkew = 40;             // clocks
-constexpr int kLeft = 1, kRight = 0;     // in the vectors of ports
+constexpr int kLeft = 1, kRight = 0;     // bit in vectors of ports
 
+/// One word of the output stream.
 struct Pair {
   bool sof, eol;
   std::uint8_t left, right;
@@ -37,20 +38,21 @@ class CamerasRig {
     run(100);
   }
 
-  /// Two frames at random, the same number of clocks later than what came before.
+  /// Returns a pair of random images.
   std::pair<cv::Mat1b, cv::Mat1b> images() {
     cv::Mat1b left(kHeight, kWidth), right(kHeight, kWidth);
     for (auto& pixel : left) pixel = static_cast<std::uint8_t>(random());
     for (auto& pixel : right) pixel = static_cast<std::uint8_t>(random());
     return {left, right};
   }
-  /// A pair of frames; gives what must come out.
+  /// Sends a random pair; returns the expected output.
   Frame send() {
     const auto [left, right] = images();
     sensors[kLeft].frame(left, blanking);
     sensors[kRight].frame(right, blanking);
     return expected(left, right);
   }
+  /// Returns the expected output for a pair: the middle of both images.
   Frame expected(const cv::Mat1b& left, const cv::Mat1b& right) const {
     const int w = model.width_i, h = model.height_i;
     const int x0 = (kWidth - w) / 2, y0 = (kHeight - h) / 2;
@@ -64,7 +66,7 @@ class CamerasRig {
     return frame;
   }
 
-  /// Until all has been sent, and what waits has come out.
+  /// Runs until the sensors have sent everything and the FIFOs are empty.
   void finish() {
     for (int i = 0; i < 20000 && !(sensors[0].done() && sensors[1].done()); ++i) run(10);
     ASSERT_TRUE(sensors[0].done() && sensors[1].done());
@@ -73,8 +75,8 @@ class CamerasRig {
   void run(int edges) {
     for (; edges > 0; --edges) step();
   }
-  /// What came out, split at sof; those that pipeline would call whole.
-  std::vector<Frame> whole_frames() const {
+  /// Returns the output split at sof, without frames that are too short.
+  std::vector<Frame> complete_frames() const {
     std::vector<Frame> frames;
     for (const Pair& pair : out) {
       if (pair.sof) frames.emplace_back();
@@ -94,10 +96,10 @@ class CamerasRig {
   std::vector<Pair> out;
   double ready_chance = 1;
   bool pixclk_runs[2] = {true, true};
-  int whole = 0;  // pulses of frame_o
+  int complete_pairs = 0;  // pulses of frame_o
 
  private:
-  /// On to the next rising edge: 0, 1 a sensor's, 2 the core's.
+  /// Runs to the next rising edge: 0 and 1 are the sensors' clocks, 2 is the core's.
   void step() {
     const auto which = std::min_element(next_, next_ + 3) - next_;
     next_[which] += which == 2 ? 97 + random() % 6 : 400;
@@ -107,7 +109,7 @@ class CamerasRig {
       if (taken) {
         out.push_back({model.sof_o != 0, model.eol_o != 0, model.left_o, model.right_o});
       }
-      whole += model.frame_o;
+      complete_pairs += model.frame_o;
       model.clk_i = 1;
     } else if (pixclk_runs[which]) {
       model.pixclk_i |= 1 << which;
@@ -130,7 +132,7 @@ class CamerasRig {
   std::uint64_t next_[3] = {0, 0, 0};
 };
 
-TEST(RtlCameras, TheMiddleOfEveryPairComesOut) {
+TEST(RtlCameras, PutsOutTheMiddleOfEveryPair) {
   const int sizes[][2] = {{20, 6}, {16, 4}, {17, 5}, {19, 1}, {20, 3}, {16, 6}};
   for (unsigned seed = 0; seed < 36; ++seed) {
     SCOPED_TRACE(seed);
@@ -138,16 +140,16 @@ TEST(RtlCameras, TheMiddleOfEveryPairComesOut) {
     rig.ready_chance = seed % 4 == 0 ? 0.5 : 1;
     rig.blanking = {static_cast<int>(1 + rig.random() % 5), static_cast<int>(1 + rig.random() % 9),
                     static_cast<int>(1 + rig.random() % 60)};
-    // One starts a few clocks behind the other.
+    // One sensor starts a few clocks after the other.
     rig.sensors[seed / 6 % 2].idle(static_cast<int>(rig.random() % 9));
     std::vector<Frame> expected;
     for (int i = 0; i < 4; ++i) expected.push_back(rig.send());
     rig.finish();
-    ASSERT_EQ(rig.whole_frames(), expected);
+    ASSERT_EQ(rig.complete_frames(), expected);
     std::size_t pixels = 0;
     for (const Frame& frame : expected) pixels += frame.size();
     EXPECT_EQ(rig.out.size(), pixels);
-    EXPECT_EQ(rig.whole, 4);
+    EXPECT_EQ(rig.complete_pairs, 4);
     EXPECT_EQ(rig.model.errors_o, 0);
     EXPECT_EQ(rig.model.overruns_o, 0);
   }
@@ -155,8 +157,9 @@ TEST(RtlCameras, TheMiddleOfEveryPairComesOut) {
 
 enum class Fault { kLostLine, kLostPixel, kSurplusPixel, kSplitLine, kSurplusLine, kFrameGlitch };
 
-void damaged(SensorPort& sensor, const cv::Mat1b& image, const SensorPort::Blanking& blanking,
-             Fault fault, int row) {
+/// Sends an image with a fault in `row`.
+void send_damaged(SensorPort& sensor, const cv::Mat1b& image, const SensorPort::Blanking& blanking,
+                  Fault fault, int row) {
   sensor.blank(blanking.before_first);
   for (int y = 0; y < image.rows; ++y) {
     const std::uint8_t* const pixels = image[y];
@@ -197,32 +200,35 @@ void damaged(SensorPort& sensor, const cv::Mat1b& image, const SensorPort::Blank
   sensor.idle(blanking.frame);
 }
 
-TEST(RtlCameras, AFrameThatOneSensorDamagesIsNeverWhole) {
-  // 4 of 6 rows: the first and the last one are no part of what is shown, and yet count.
+TEST(RtlCameras, NeverCompletesAFrameThatASensorDamages) {
+  // At 4 of 6 rows, the first and the last row are not put out, but their faults still count.
   for (const int height : {6, 4}) {
     for (int fault = 0; fault <= static_cast<int>(Fault::kFrameGlitch); ++fault) {
       for (int row = 0; row < kHeight; ++row) {
-        for (int who = 0; who < 3; ++who) {  // 2: both alike
+        for (int faulty_sensor = 0; faulty_sensor < 3; ++faulty_sensor) {  // 2: both
           SCOPED_TRACE(testing::Message() << height << " rows, fault " << fault << " in row " << row
-                                          << " of sensor " << who);
-          CamerasRig rig(16, height, fault * 100 + row * 10 + who);
+                                          << " of sensor " << faulty_sensor);
+          CamerasRig rig(16, height, fault * 100 + row * 10 + faulty_sensor);
           rig.blanking.frame = 200;
           std::vector<Frame> expected = {rig.send()};
           const auto [left, right] = rig.images();
           for (const int k : {kLeft, kRight}) {
             const cv::Mat1b& image = k == kLeft ? left : right;
-            if (who == k || who == 2) {
-              damaged(rig.sensors[k], image, rig.blanking, static_cast<Fault>(fault), row);
+            if (faulty_sensor == k || faulty_sensor == 2) {
+              send_damaged(rig.sensors[k], image, rig.blanking, static_cast<Fault>(fault), row);
             } else {
               rig.sensors[k].frame(image, rig.blanking);
             }
           }
-          // The one that has been slower is caught up with in the blanking.
-          if (who != 2) rig.sensors[1 - who].idle(static_cast<int>(fault == 4) * (kWidth + 4));
-          if (who != 2) rig.sensors[1 - who].idle(static_cast<int>(fault == 2));
+          // The intact sensor waits in the blanking if the fault took extra clocks.
+          if (faulty_sensor != 2) {
+            SensorPort& intact = rig.sensors[1 - faulty_sensor];
+            intact.idle(static_cast<int>(fault == 4) * (kWidth + 4));
+            intact.idle(static_cast<int>(fault == 2));
+          }
           expected.push_back(rig.send());
           rig.finish();
-          ASSERT_EQ(rig.whole_frames(), expected);
+          ASSERT_EQ(rig.complete_frames(), expected);
           EXPECT_GT(rig.model.errors_o, 0);
         }
       }
@@ -230,43 +236,43 @@ TEST(RtlCameras, AFrameThatOneSensorDamagesIsNeverWhole) {
   }
 }
 
-TEST(RtlCameras, FramesOfDifferentExposuresAreNoPair) {
-  for (const int who : {kLeft, kRight}) {
-    CamerasRig rig(16, 4, who);
+TEST(RtlCameras, NeverPairsFramesOfDifferentExposures) {
+  for (const int faulty_sensor : {kLeft, kRight}) {
+    CamerasRig rig(16, 4, faulty_sensor);
     std::vector<Frame> expected = {rig.send(), rig.send()};
-    // One sensor leaves a frame out.
+    // One sensor skips a frame.
     const auto [left, right] = rig.images();
-    rig.sensors[1 - who].frame(left, rig.blanking);
-    rig.sensors[who].idle(3 + kHeight * (kWidth + 4) + 40);
+    rig.sensors[1 - faulty_sensor].frame(left, rig.blanking);
+    rig.sensors[faulty_sensor].idle(3 + kHeight * (kWidth + 4) + 40);
     expected.push_back(rig.send());
-    // One comes too late, and so do all behind it; in step again they are a pair.
-    rig.sensors[who].idle(kMaxSkew / 4 + 5);
+    // One sensor is late for two frames; once in step again, they form pairs.
+    rig.sensors[faulty_sensor].idle(kMaxSkew / 4 + 5);
     rig.send(), rig.send();
-    rig.sensors[1 - who].idle(kMaxSkew / 4 + 5);
+    rig.sensors[1 - faulty_sensor].idle(kMaxSkew / 4 + 5);
     expected.push_back(rig.send());
     rig.finish();
-    EXPECT_EQ(rig.whole_frames(), expected);
+    EXPECT_EQ(rig.complete_frames(), expected);
     EXPECT_GE(rig.model.errors_o, 3);
-    // One stops in the middle of a line, for some frames.
+    // One sensor's clock stops in the middle of a line for three frames.
     rig.send();
     rig.run(2000);
-    rig.pixclk_runs[who] = false;
-    for (int i = 0; i < 3; ++i) rig.sensors[1 - who].frame(left, rig.blanking);
+    rig.pixclk_runs[faulty_sensor] = false;
+    for (int i = 0; i < 3; ++i) rig.sensors[1 - faulty_sensor].frame(left, rig.blanking);
     rig.run(20000);
-    EXPECT_TRUE(rig.sensors[1 - who].done());
-    rig.pixclk_runs[who] = true;
+    EXPECT_TRUE(rig.sensors[1 - faulty_sensor].done());
+    rig.pixclk_runs[faulty_sensor] = true;
     rig.finish();
     rig.out.clear();
     const Frame last = rig.send();
     rig.finish();
-    EXPECT_EQ(rig.whole_frames(), std::vector<Frame>{last});
+    EXPECT_EQ(rig.complete_frames(), std::vector<Frame>{last});
   }
 }
 
-TEST(RtlCameras, WhatWaitsTooLongIsLostAndAllElseRight) {
+TEST(RtlCameras, LosesWholeFramesWhenTheOutputStalls) {
   CamerasRig rig(20, 6, 5);
   rig.model.rst_ni = 1;
-  // As long as the FIFO has room nothing is lost: 128 pairs, and those before it.
+  // Nothing is lost while the FIFO has space, 128 words and the registers before it.
   rig.ready_chance = 0;
   std::vector<Frame> expected = {rig.send()};
   rig.finish();
@@ -274,10 +280,10 @@ TEST(RtlCameras, WhatWaitsTooLongIsLostAndAllElseRight) {
   rig.run(1000);
   expected.push_back(rig.send());
   rig.finish();
-  EXPECT_EQ(rig.whole_frames(), expected);
+  EXPECT_EQ(rig.complete_frames(), expected);
   EXPECT_EQ(rig.model.overruns_o, 0);
   EXPECT_EQ(rig.model.errors_o, 0);
-  // More is: whole frames that do come out are those that were sent, in order.
+  // Longer stalls lose frames. The complete ones that come out were sent, in this order.
   std::vector<Frame> sent;
   rig.out.clear();
   for (int i = 0; i < 12; ++i) sent.push_back(rig.send());
@@ -288,39 +294,39 @@ TEST(RtlCameras, WhatWaitsTooLongIsLostAndAllElseRight) {
   rig.ready_chance = 1;
   rig.finish();
   EXPECT_GT(rig.model.overruns_o, 0);
-  const auto whole = rig.whole_frames();
-  EXPECT_GT(whole.size(), 2U);
-  EXPECT_LT(whole.size(), sent.size());
+  const auto frames = rig.complete_frames();
+  EXPECT_GT(frames.size(), 2U);
+  EXPECT_LT(frames.size(), sent.size());
   auto from = sent.begin();
-  for (const Frame& frame : whole) {
+  for (const Frame& frame : frames) {
     from = std::find(from, sent.end(), frame);
-    ASSERT_NE(from, sent.end()) << "a frame that nobody sent";
+    ASSERT_NE(from, sent.end()) << "frame was not sent or is out of order";
     ++from;
   }
   rig.out.clear();
   const Frame last = rig.send();
   rig.finish();
-  EXPECT_EQ(rig.whole_frames(), std::vector<Frame>{last});
+  EXPECT_EQ(rig.complete_frames(), std::vector<Frame>{last});
 }
 
-TEST(RtlCameras, AFrameWithoutRoomIsCountedOncePerSensor) {
+TEST(RtlCameras, CountsAnOverrunOncePerFrameAndSensor) {
   CamerasRig rig(20, 6, 7);
   rig.ready_chance = 0;
-  // 120 pairs of the first one wait, and there is no room for all of the second.
+  // The first frame occupies 120 words, so the FIFO has no space for all of the second one.
   for (int i = 0; i < 5; ++i) rig.send();
   rig.finish();
   EXPECT_EQ(rig.model.overruns_o, 8);
 }
 
-TEST(RtlCameras, AnotherSizeIsThatOfTheNextFrame) {
+TEST(RtlCameras, ANewSizeAppliesToTheNextFrame) {
   CamerasRig rig(20, 6, 6);
-  EXPECT_EQ((rig.finish(), rig.send(), rig.finish(), rig.whole_frames().size()), 1U);
+  EXPECT_EQ((rig.finish(), rig.send(), rig.finish(), rig.complete_frames().size()), 1U);
   rig.out.clear();
   rig.model.width_i = 16, rig.model.height_i = 2;
   const Frame smaller = rig.send();
   rig.finish();
-  EXPECT_EQ(rig.whole_frames(), std::vector<Frame>{smaller});
-  // Larger than the sensors: no frame is whole.
+  EXPECT_EQ(rig.complete_frames(), std::vector<Frame>{smaller});
+  // No frame is complete at a size larger than the sensors.
   rig.out.clear();
   rig.model.width_i = 21, rig.model.height_i = 6;
   rig.sensors[0].idle(1), rig.sensors[1].idle(1);
@@ -328,15 +334,15 @@ TEST(RtlCameras, AnotherSizeIsThatOfTheNextFrame) {
   rig.sensors[kLeft].frame(left, rig.blanking);
   rig.sensors[kRight].frame(right, rig.blanking);
   rig.finish();
-  EXPECT_TRUE(rig.whole_frames().empty());
+  EXPECT_TRUE(rig.complete_frames().empty());
 }
 
-/// The board's end of two buses: a quarter of a bit is 4 clocks, a millisecond 400.
-class SetupRig {
+/// fs_sensor_setup and two sensors. A quarter of a bit takes 4 clocks, a millisecond 400.
+class SensorSetupRig {
  public:
   using Writes = std::vector<std::pair<int, int>>;
 
-  SetupRig(std::uint8_t left, std::uint8_t right)
+  SensorSetupRig(std::uint8_t left, std::uint8_t right)
       : sensors{TwoWireSensor(right), TwoWireSensor(left)} {
     clock(4);
     model.rst_ni = 1;
@@ -360,7 +366,7 @@ class SetupRig {
       model.eval();
     }
   }
-  void ms(int ms) { clock(400 * ms); }
+  void run_ms(int count) { clock(400 * count); }
 
   SensorSetup model;
   TwoWireSensor sensors[2];
@@ -371,26 +377,26 @@ class SetupRig {
   bool pulls_[2] = {false, false};
 };
 
-const SetupRig::Writes kWritten = {{0x30, 0xA55A}, {0x31, 0xA51A}, {0x32, 0xA5DA}};
+const SensorSetupRig::Writes kExpectedWrites = {{0x30, 0xA55A}, {0x31, 0xA51A}, {0x32, 0xA5DA}};
 
-TEST(RtlSensorSetup, WritesTheTableToBoth) {
-  SetupRig rig(0x48, 0x48);
-  rig.ms(10);
+TEST(RtlSensorSetup, WritesTheTableToBothSensors) {
+  SensorSetupRig rig(0x48, 0x48);
+  rig.run_ms(10);
   EXPECT_EQ(rig.model.answered_o, 3);
-  EXPECT_EQ(rig.sensors[0].writes, kWritten);
-  EXPECT_EQ(rig.sensors[1].writes, kWritten);
+  EXPECT_EQ(rig.sensors[0].writes, kExpectedWrites);
+  EXPECT_EQ(rig.sensors[1].writes, kExpectedWrites);
   EXPECT_GE(rig.reset_clocks, 400);
   EXPECT_LE(rig.reset_clocks, 820);
-  EXPECT_EQ(rig.sensors[0].shortest, 8);  // half a bit
-  // While frames come it rests; then all again.
+  EXPECT_EQ(rig.sensors[0].min_phase_clocks, 8);  // half a bit
+  // It idles while frames arrive and writes the table again when they stop.
   for (int i = 0; i < 10; ++i) {
-    rig.ms(15);
+    rig.run_ms(15);
     rig.model.frame_i = 1;
     rig.clock(1);
     rig.model.frame_i = 0;
   }
-  EXPECT_EQ(rig.sensors[0].writes, kWritten);
-  rig.ms(30);
+  EXPECT_EQ(rig.sensors[0].writes, kExpectedWrites);
+  rig.run_ms(30);
   EXPECT_EQ(rig.sensors[0].writes.size(), 6U);
   EXPECT_EQ(rig.sensors[1].writes.size(), 6U);
   EXPECT_GE(rig.reset_clocks, 800);
@@ -398,23 +404,24 @@ TEST(RtlSensorSetup, WritesTheTableToBoth) {
 
 TEST(RtlSensorSetup, FindsTheAddress) {
   for (const int address : {0x4C, 0x58, 0x5C}) {
-    SetupRig rig(address, address);
-    rig.ms(350);
+    SensorSetupRig rig(address, address);
+    rig.run_ms(350);
     EXPECT_EQ(rig.model.answered_o, 3);
     ASSERT_GE(rig.sensors[1].writes.size(), 3U);
-    EXPECT_EQ(SetupRig::Writes(rig.sensors[1].writes.begin(), rig.sensors[1].writes.begin() + 3),
-              kWritten);
+    EXPECT_EQ(
+        SensorSetupRig::Writes(rig.sensors[1].writes.begin(), rig.sensors[1].writes.begin() + 3),
+        kExpectedWrites);
   }
 }
 
-TEST(RtlSensorSetup, SaysWhichDoesNotAnswer) {
+TEST(RtlSensorSetup, ReportsWhichSensorDoesNotAnswer) {
   for (const int missing : {0, 1}) {
-    SetupRig rig(0x48, 0x48);
+    SensorSetupRig rig(0x48, 0x48);
     rig.connected[missing] = false;
-    rig.ms(50);
+    rig.run_ms(50);
     EXPECT_EQ(rig.model.answered_o, 3 & ~(1 << missing));
     rig.connected[missing] = true;
-    rig.ms(500);
+    rig.run_ms(500);
     EXPECT_EQ(rig.model.answered_o, 3);
   }
 }

@@ -1,5 +1,5 @@
-// fs_sync as it may behave: of the bits that have changed since the last clock each comes at once,
-// or a clock late.
+// Simulates the metastability of fs_sync: each bit that changed since the last clock arrives on
+// time or one clock late, at random.
 module fs_sync #(
   parameter int Bits = 1
 ) (

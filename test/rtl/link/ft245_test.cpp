@@ -1,4 +1,4 @@
-// fs_ft245 on an FT232H and an FT601 (ft245_chip.hpp).
+// fs_ft245 connected to an FT232H and an FT601 (ft245_chip.hpp).
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 namespace fpga_stereo::test {
 namespace {
 
-constexpr int kBurst = 512;  // of the models
+constexpr int kBurst = 512;  // default Burst of fs_ft245
 
-/// The n-th word of a direction.
+/// Returns the n-th word of a direction; the sequence looks random.
 std::uint32_t word_of(std::uint32_t n, std::uint32_t direction) {
   std::uint32_t x = (n ^ direction) * 0x9E3779B1U;
   x = (x ^ (x >> 15)) * 0x85EBCA77U;
@@ -32,6 +32,7 @@ class Ft245Rig {
     model.rst_ni = 1;
   }
 
+  /// Runs one clock and checks every word that arrives on either side.
   void step() {
     model.eval();
     chip.before_edge();
@@ -68,7 +69,7 @@ class Ft245Rig {
 
   Model model;
   Ft245Chip<Model> chip;
-  std::uint32_t tx_number = 0, tx_end = 0;  // words that go in, and how many there are
+  std::uint32_t tx_number = 0, tx_end = 0;  // next word to send, and where to stop
   std::uint32_t given = 0, rx_end = 0, received = 0;
   double tx_chance = 1, rx_chance = 1;
   int flush_clocks = 0;
@@ -89,7 +90,7 @@ class RtlFt245 : public testing::Test {};
 using Chips = testing::Types<Ft245x8, Ft245x32>;
 TYPED_TEST_SUITE(RtlFt245, Chips);
 
-TYPED_TEST(RtlFt245, AMillionWordsEachWay) {
+TYPED_TEST(RtlFt245, PassesAMillionWordsEachWay) {
   const std::uint32_t words = 1000000;
   Ft245Rig<TypeParam> rig;
   rig.tx_end = rig.rx_end = words;
@@ -116,7 +117,7 @@ TYPED_TEST(RtlFt245, AMillionWordsEachWay) {
   EXPECT_EQ(rig.received, words);
 }
 
-TYPED_TEST(RtlFt245, AWordPerClock) {
+TYPED_TEST(RtlFt245, PassesOneWordPerClock) {
   const int words = 20000;
   Ft245Rig<TypeParam> rig;
   rig.tx_end = words;
@@ -132,7 +133,7 @@ TYPED_TEST(RtlFt245, AWordPerClock) {
   EXPECT_EQ(rig.received, static_cast<std::uint32_t>(words));
 }
 
-TYPED_TEST(RtlFt245, Latency) {
+TYPED_TEST(RtlFt245, HasTheDocumentedLatency) {
   Ft245Rig<TypeParam> rig;
   rig.tx_end = 1;
   while (!rig.model.tx_valid_i) rig.step();
@@ -142,7 +143,7 @@ TYPED_TEST(RtlFt245, Latency) {
   rig.step(10);
   rig.rx_end = 1;
   while (!rig.chip.read && rig.chip.clocks < start + 100) rig.step();
-  const int read = rig.chip.clocks;  // the edge at which the chip gave the word is behind us
+  const int read = rig.chip.clocks;  // the chip sent the word at the previous edge
   while (!rig.model.rx_valid_o && rig.chip.clocks < read + 100) rig.step();
   EXPECT_EQ(rig.chip.clocks - read + 1, 3);
 }
@@ -153,7 +154,7 @@ TYPED_TEST(RtlFt245, BothDirectionsShareTheBus) {
   rig.step(100);
   const std::size_t written = rig.written();
   const std::uint32_t received = rig.received;
-  // A read and a write burst, with 3 clocks from Write to Read and 1 back.
+  // One read burst and one write burst, 3 clocks from Write to Read and 1 clock back.
   const int clocks = 20 * (2 * (kBurst + 1) + 4);
   rig.step(clocks);
   EXPECT_NEAR(static_cast<double>(rig.written() - written), 20 * (kBurst + 1), kBurst);
@@ -164,7 +165,7 @@ TYPED_TEST(RtlFt245, BothDirectionsShareTheBus) {
 TYPED_TEST(RtlFt245, NeitherDirectionStarves) {
   Ft245Rig<TypeParam> rig;
   rig.tx_end = rig.rx_end = 1000000;
-  int reads = 0, writes = 0;  // clocks since the last one
+  int reads = 0, writes = 0;  // clocks since the last read or write
   for (int i = 0; i < 50000; ++i) {
     rig.step();
     reads = rig.chip.read ? 0 : reads + 1;
@@ -175,7 +176,7 @@ TYPED_TEST(RtlFt245, NeitherDirectionStarves) {
   }
 }
 
-TYPED_TEST(RtlFt245, OneDirectionStandsTheOtherGoesOn) {
+TYPED_TEST(RtlFt245, AStalledDirectionDoesNotStallTheOther) {
   Ft245Rig<TypeParam> rig;
   rig.tx_end = rig.rx_end = 1000000;
   rig.chip.write_stalls = Stalls::kAlways;  // the host reads nothing
@@ -184,7 +185,7 @@ TYPED_TEST(RtlFt245, OneDirectionStandsTheOtherGoesOn) {
   rig.step(1000);
   EXPECT_EQ(rig.received - received, 1000U);
   rig.chip.write_stalls = Stalls::kNone;
-  rig.rx_chance = 0;  // no room for commands
+  rig.rx_chance = 0;  // the FPGA accepts no commands
   rig.step(1000);
   auto written = rig.written();
   rig.step(1000);
@@ -197,7 +198,7 @@ TYPED_TEST(RtlFt245, OneDirectionStandsTheOtherGoesOn) {
   EXPECT_EQ(rig.written() - written, 1000U);
 }
 
-TYPED_TEST(RtlFt245, FlagsThatAlternateAreNoStandstill) {
+TYPED_TEST(RtlFt245, MakesProgressWithAlternatingFlags) {
   Ft245Rig<TypeParam> rig;
   rig.tx_end = rig.rx_end = 1000000;
   rig.chip.read_stalls = rig.chip.write_stalls = Stalls::kAlternate;
@@ -206,7 +207,7 @@ TYPED_TEST(RtlFt245, FlagsThatAlternateAreNoStandstill) {
   EXPECT_GT(rig.received, 4500U);
 }
 
-TYPED_TEST(RtlFt245, HighAndNotDrivenBeforeTheFirstClock) {
+TYPED_TEST(RtlFt245, KeepsStrobesHighAndTheBusUndrivenInReset) {
   TypeParam model;
   model.rxf_ni = model.txe_ni = 0;
   model.rst_ni = 0;
@@ -224,7 +225,7 @@ TYPED_TEST(RtlFt245, HighAndNotDrivenBeforeTheFirstClock) {
   }
 }
 
-TYPED_TEST(RtlFt245, ResetLosesWordsButBreaksNoRule) {
+TYPED_TEST(RtlFt245, AResetLosesWordsButBreaksNoBusRule) {
   Ft245Rig<TypeParam> rig;
   std::mt19937 random(3);
   for (int i = 0; i < 200; ++i) {
@@ -244,17 +245,17 @@ TYPED_TEST(RtlFt245, ResetLosesWordsButBreaksNoRule) {
       }
     }
     rig.model.rst_ni = 1;
-    // What was inside is lost: both counts go on behind it.
+    // Words inside fs_ft245 are lost, so both counts skip them.
     rig.model.tx_valid_i = 0;
     rig.chip.from_fpga.resize(rig.tx_number);
     rig.received = rig.given - static_cast<std::uint32_t>(rig.chip.waiting());
   }
 }
 
-TEST(RtlFt245Flush, OncePerSilence) {
+TEST(RtlFt245Flush, FlushesOncePerSilence) {
   Ft245Rig<Ft245x8> rig;
   rig.step(500);
-  EXPECT_EQ(rig.flush_clocks, 0);  // nothing has been written
+  EXPECT_EQ(rig.flush_clocks, 0);  // no word was written
   for (int i = 1; i <= 3; ++i) {
     rig.tx_end += 7;
     while (rig.written() < rig.tx_end && rig.chip.clocks < 10000) rig.step();
@@ -264,7 +265,7 @@ TEST(RtlFt245Flush, OncePerSilence) {
     rig.step(500);
     EXPECT_EQ(rig.flush_clocks, 4 * i);
   }
-  // Not while a word waits for the host, nor between words.
+  // No flush while a word waits for the host, or between words.
   rig.chip.write_stalls = Stalls::kAlways;
   rig.tx_end += 1;
   rig.step(500);
@@ -278,7 +279,7 @@ TEST(RtlFt245Flush, OncePerSilence) {
   EXPECT_EQ(rig.flush_clocks, 16);
 }
 
-TEST(RtlFt245Flush, NeverOnTheFt601) {
+TEST(RtlFt245Flush, NeverFlushesOnTheFt601) {
   Ft245Rig<Ft245x32> rig;
   rig.tx_end = 7;
   rig.step(5000);

@@ -1,4 +1,4 @@
-// Image sensors as the FPGA sees them: a parallel port, and registers on a two-wire bus.
+// Models an image sensor as the FPGA sees it: a parallel port, and registers on a two-wire bus.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,8 @@
 
 namespace fpga_stereo::test {
 
-/// The parallel port: what it shows, clock by clock. Outputs change behind the falling edge.
+/// The parallel port: a queue of pin states, one for each clock. The pins change after the falling
+/// edge.
 class SensorPort {
  public:
   struct Pins {
@@ -23,13 +24,17 @@ class SensorPort {
     int before_first = 3, lines = 4, frame = 40;
   };
 
+  /// Appends clocks between frames.
   void idle(int clocks) { pins_.insert(pins_.end(), clocks, Pins{}); }
+  /// Appends clocks between lines.
   void blank(int clocks, bool frame = true) {
     pins_.insert(pins_.end(), clocks, Pins{frame, false, 0xEE});
   }
+  /// Appends a line.
   void line(const std::uint8_t* pixels, int count) {
     for (int x = 0; x < count; ++x) pins_.push_back({true, true, pixels[x]});
   }
+  /// Appends a whole frame and the clocks after it.
   void frame(const cv::Mat1b& image, const Blanking& blanking) {
     blank(blanking.before_first);
     for (int y = 0; y < image.rows; ++y) {
@@ -39,7 +44,7 @@ class SensorPort {
     idle(blanking.frame);
   }
   bool done() const { return pins_.empty(); }
-  /// In the next clock.
+  /// Returns the pin states of the next clock; the sensor is idle when the queue is empty.
   Pins next() {
     if (pins_.empty()) return {};
     const Pins pins = pins_.front();
@@ -51,64 +56,66 @@ class SensorPort {
   std::deque<Pins> pins_;
 };
 
-/// The registers: a two-wire slave that notes what is written.
+/// The registers: a two-wire slave that records all writes.
 class TwoWireSensor {
  public:
   explicit TwoWireSensor(std::uint8_t address) : address_(address) {}
 
-  /// A reset that is under way: what was being written is forgotten.
+  /// Call it in each clock of a reset. Discards the current transfer.
   void reset() {
     scl_ = sda_ = true;
-    open_ = false;
+    in_transfer_ = false;
   }
-  /// In each clock the lines as they are; gives whether the sensor pulls SDA low.
+  /// Call it in each clock with the levels of both lines; returns whether the sensor pulls SDA low.
   bool clock(bool scl, bool sda) {
-    ++since_;
+    ++clocks_since_edge_;
     if (scl && scl_ && sda != sda_) {
-      // SDA moves while SCL is high: a start or a stop.
+      // SDA changes while SCL is high: a start or a stop condition.
       if (!sda) {
         bytes_.clear();
-      } else if (open_ && chosen_) {
-        EXPECT_EQ(bits_, 0) << "a stop within a byte";
+      } else if (in_transfer_ && is_addressed_) {
+        EXPECT_EQ(bits_, 0) << "stop condition in the middle of a byte";
         EXPECT_EQ(bytes_.size(), 4U);
         if (bytes_.size() == 4) {
           writes.emplace_back(bytes_[1], static_cast<std::uint16_t>(bytes_[2] << 8 | bytes_[3]));
         }
       }
-      open_ = !sda, chosen_ = true, bits_ = 0, shift_ = 0, pulls_ = false;
+      in_transfer_ = !sda, is_addressed_ = true, bits_ = 0, shift_ = 0, pulls_low_ = false;
     }
     if (scl != scl_) {
-      if (open_) shortest = std::min(shortest, since_);
-      since_ = 0;
+      if (in_transfer_) min_phase_clocks = std::min(min_phase_clocks, clocks_since_edge_);
+      clocks_since_edge_ = 0;
     }
-    if (open_ && scl && !scl_) {
+    if (in_transfer_ && scl && !scl_) {
       if (bits_ < 8) shift_ = shift_ << 1 | (sda ? 1 : 0);
     }
-    // The ninth bit is ours: from the eighth falling edge behind the start's to the ninth.
-    if (open_ && !scl && scl_) {
-      if (fell_) ++bits_;
-      fell_ = true;
+    // The sensor acknowledges in the ninth bit: from the eighth falling edge after the start
+    // condition's to the ninth.
+    if (in_transfer_ && !scl && scl_) {
+      if (has_fallen_) ++bits_;
+      has_fallen_ = true;
       if (bits_ == 8) {
         bytes_.push_back(static_cast<std::uint8_t>(shift_));
-        if (bytes_.size() == 1) chosen_ = bytes_[0] == address_ << 1;
-        pulls_ = chosen_;
+        if (bytes_.size() == 1) is_addressed_ = bytes_[0] == address_ << 1;
+        pulls_low_ = is_addressed_;
       } else {
-        pulls_ = false;
+        pulls_low_ = false;
         if (bits_ == 9) bits_ = 0, shift_ = 0;
       }
     }
-    if (!open_) fell_ = false;
+    if (!in_transfer_) has_fallen_ = false;
     scl_ = scl, sda_ = sda;
-    return pulls_;
+    return pulls_low_;
   }
 
   std::vector<std::pair<int, int>> writes;  // register, value
-  int shortest = 1 << 30;                   // clocks of SCL high or low within a transfer
+  int min_phase_clocks = 1 << 30;           // of SCL high or low within a transfer
 
  private:
   std::uint8_t address_;  // 7 bits
-  bool scl_ = true, sda_ = true, open_ = false, chosen_ = true, pulls_ = false, fell_ = false;
-  int bits_ = 0, since_ = 0;
+  bool scl_ = true, sda_ = true, in_transfer_ = false, is_addressed_ = true, pulls_low_ = false,
+       has_fallen_ = false;
+  int bits_ = 0, clocks_since_edge_ = 0;
   unsigned shift_ = 0;
   std::vector<std::uint8_t> bytes_;
 };

@@ -1,4 +1,4 @@
-// Two clocks that know nothing of each other.
+// Two unrelated clocks.
 #pragma once
 
 #include <algorithm>
@@ -7,16 +7,16 @@
 
 namespace fpga_stereo::test {
 
-/// Rising edges of two clocks. Times are in no unit: only their ratio counts.
+/// Generates the rising edges of two clocks. Times have no unit; only their ratio matters.
 class TwoClocks {
  public:
-  /// Periods; each is up to `jitter` longer, at random.
+  /// Takes both periods; each period is longer by a random 0 to `jitter`.
   TwoClocks(int a, int b, int jitter, unsigned seed) : period_{a, b}, jitter_(jitter) {
     random_.seed(seed);
     next_[1] = random_() % b;
   }
 
-  /// On to the next edge: which clocks have one (bit 0, bit 1).
+  /// Advances to the next edge; returns which clocks rise (bit 0, bit 1).
   int next() {
     const std::uint64_t now = std::min(next_[0], next_[1]);
     int edges = 0;

@@ -1,4 +1,4 @@
-// fs_link_uart on a serial line whose other end has a clock of its own.
+// fs_link_uart on a serial line whose other end has its own clock.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -19,12 +19,13 @@ class UartLine {
   UartLine(int baud, double error, double phase)
       : bit_(kClockHz / (baud * (1 + error))), end_(phase), levels_{{true, phase}} {}
 
-  /// After all that has been sent before: a byte, or the line low or high for a time.
+  /// Appends a byte to what this end sends; without `stop`, its stop bit is low.
   void send(std::uint8_t byte, bool stop = true) {
     level(false, bit_);
     for (int i = 0; i < 8; ++i) level((byte >> i & 1) != 0, bit_);
     level(stop, bit_);
   }
+  /// Appends a level of the line for a time.
   void level(bool value, double clocks) {
     end_ += clocks;
     levels_.push_back({value, end_});
@@ -32,13 +33,13 @@ class UartLine {
   double bit() const { return bit_; }
   bool done() const { return next_ == levels_.size(); }
 
-  /// The line in this clock.
+  /// Returns the level of the line in this clock.
   bool at(double clock) {
     while (next_ < levels_.size() && levels_[next_].until <= clock) ++next_;
     return next_ == levels_.size() || levels_[next_].value;
   }
 
-  /// What comes from the model: bytes are found by sampling the middle of bits, like anybody does.
+  /// Receives from the model: samples each bit in its middle.
   void listen(double clock, bool value) {
     if (!receiving_) {
       if (value) return;
@@ -46,11 +47,11 @@ class UartLine {
     }
     if (clock < start_ + (bits_ + 0.5) * bit_) return;
     if (bits_ == 0) {
-      ASSERT_FALSE(value) << "a start bit that is none";
+      ASSERT_FALSE(value) << "start bit is high";
     } else if (bits_ <= 8) {
       shift_ |= value << (bits_ - 1);
     } else {
-      ASSERT_TRUE(value) << "a stop bit that is none";
+      ASSERT_TRUE(value) << "stop bit is low";
       received.push_back(static_cast<std::uint8_t>(shift_));
       starts.push_back(start_);
       receiving_ = false;
@@ -59,7 +60,7 @@ class UartLine {
   }
 
   std::vector<std::uint8_t> received;
-  std::vector<double> starts;  // of these bytes
+  std::vector<double> starts;  // clock of each byte's start bit
 
  private:
   struct Level {
@@ -103,7 +104,7 @@ class UartRig {
   void run(int clocks) {
     for (int i = 0; i < clocks && !testing::Test::HasFailure(); ++i) step();
   }
-  /// Until all that was sent has come, and what was to be received, too.
+  /// Runs until the model has received everything that the line sends.
   void finish() {
     while (!line.done()) step();
     run(static_cast<int>(2 * line.bit()) + 20);
@@ -119,7 +120,7 @@ class UartRig {
 
 struct Rate {
   int baud;
-  double error;  // of the other end
+  double error;  // relative error of the other end's clock
   int bytes;
 };
 
@@ -156,7 +157,7 @@ TEST_P(RtlUart, SendsWordsAsBytesBackToBack) {
   }
   for (int i = 0; rig.line.received.size() < bytes.size() && i < 4000; ++i) rig.run(1000);
   ASSERT_EQ(rig.line.received, bytes);
-  // No gap, and no drift: byte k begins at 10 k bits, to a clock.
+  // There is neither gap nor drift: byte k begins 10 k bits after byte 0, within one clock.
   for (std::size_t k = 0; k < bytes.size(); ++k) {
     const double expected =
         rig.line.starts[0] + 10. * static_cast<double>(k) * kClockHz / rate.baud;
@@ -164,19 +165,19 @@ TEST_P(RtlUart, SendsWordsAsBytesBackToBack) {
   }
 }
 
-// 5,000,000 bits per second have 20 clocks per bit: too few for 3 %.
+// At 5 Mbit/s a bit has 20 clocks, too few to tolerate an error of 3 %.
 INSTANTIATE_TEST_SUITE_P(Rates, RtlUart,
                          testing::Values(Rate{3000000, 0, 400}, Rate{3000000, 0.03, 400},
                                          Rate{3000000, -0.03, 400}, Rate{2999999, 0.01, 100},
                                          Rate{5000000, 0.01, 100}, Rate{115200, 0, 16},
                                          Rate{115200, 0.03, 16}, Rate{115200, -0.03, 16}));
 
-TEST(RtlUartLine, GlitchesOnTheIdleLineAreNoBytes) {
+TEST(RtlUartLine, IgnoresGlitchesOnTheIdleLine) {
   UartRig rig(3000000);
   std::mt19937 random(2);
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 500; ++i) {
-    // Up to 10 of 33 clocks low.
+    // The line is low for up to 10 of the 33 clocks of a bit.
     rig.line.level(false, 0.1 + static_cast<double>(random() % 100) / 10);
     rig.line.level(true, 35 + static_cast<double>(random() % 400) / 10);
     if (random() % 2 == 0) continue;
@@ -189,13 +190,13 @@ TEST(RtlUartLine, GlitchesOnTheIdleLineAreNoBytes) {
   EXPECT_EQ(rig.framing_errors, 0);
 }
 
-TEST(RtlUartLine, AGlitchInTheMiddleOfABitIsOutvoted) {
+TEST(RtlUartLine, OutvotesAGlitchInTheMiddleOfABit) {
   UartRig rig(115200);
   const double bit = rig.line.bit();
   std::vector<std::uint8_t> bytes;
   for (int value = 0; value < 2; ++value) {
     for (int at = 0; at < 30; ++at) {
-      // A byte of all zeros or all ones, with a twentieth of a bit turned round somewhere.
+      // A byte of all zeros or all ones, inverted for a twentieth of a bit at some place.
       rig.line.level(false, bit);
       const double before = bit * (0.25 + 0.27 * at), glitch = 0.05 * bit;
       rig.line.level(value != 0, before);
@@ -209,7 +210,7 @@ TEST(RtlUartLine, AGlitchInTheMiddleOfABitIsOutvoted) {
   EXPECT_EQ(rig.received, bytes);
 }
 
-TEST(RtlUartLine, BytesWithoutStopBitAreDroppedAndCounted) {
+TEST(RtlUartLine, DropsAndCountsBytesWithoutAStopBit) {
   UartRig rig(3000000);
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 20; ++i) {
@@ -223,7 +224,7 @@ TEST(RtlUartLine, BytesWithoutStopBitAreDroppedAndCounted) {
   EXPECT_EQ(rig.framing_errors, 20);
 }
 
-TEST(RtlUartLine, ABreakIsOneErrorHoweverLong) {
+TEST(RtlUartLine, CountsABreakOfAnyLengthAsOneError) {
   UartRig rig(3000000);
   for (const double bits : {9.8, 11., 25., 500.}) {
     rig.line.level(false, bits * rig.line.bit());
@@ -237,12 +238,12 @@ TEST(RtlUartLine, ABreakIsOneErrorHoweverLong) {
   EXPECT_EQ(rig.framing_errors, 4);
 }
 
-TEST(RtlUartLine, WhatFindsNoRoomIsDroppedAndCounted) {
+TEST(RtlUartLine, DropsAndCountsBytesWhenTheFifoIsFull) {
   UartRig rig(3000000);
   rig.model.rx_ready_i = 0;
   for (int i = 0; i < 25; ++i) rig.line.send(static_cast<std::uint8_t>(i));
   rig.finish();
-  // 16 in the FIFO's memory, one in its register, one in the receiver.
+  // 16 bytes fit in the FIFO's memory, one in its register and one in the receiver.
   EXPECT_EQ(rig.overruns, 25 - 18);
   rig.model.rx_ready_i = 1;
   rig.run(100);
@@ -251,7 +252,7 @@ TEST(RtlUartLine, WhatFindsNoRoomIsDroppedAndCounted) {
   EXPECT_EQ(rig.received, bytes);
 }
 
-TEST(RtlUartLine, TheLineIsHighInResetAndBetween) {
+TEST(RtlUartLine, KeepsTheLineHighInResetAndWhenIdle) {
   LinkUart model;
   model.eval();
   for (int i = 0; i < 5; ++i) {

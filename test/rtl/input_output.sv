@@ -1,10 +1,11 @@
-// For tests: the two ends of the pipeline, its registers and signatures, with stages between them
-// that only delay: fs_input -> "rectify" -> "speckle" -> fs_output.
+// Test top: input and output of the pipeline with its registers and signatures. In place of the
+// stages stand two delays, named after the first and the last stage:
+// fs_input -> "rectify" -> "speckle" -> fs_output.
 //
-// Formula   disparity = {left, right}. "rectify" lacks pixels where left = right = 8'hEE.
+// Formula   disparity = {left, right}. "rectify" reports a buffer error where left = right = 8'hEE.
 // Latency   FirstRows + Rows rows, FirstTicks + Ticks ticks.
 // Limits    (FirstRows + Rows) * width + FirstTicks + Ticks < 4096.
-module fs_ends #(
+module input_output #(
   parameter int MaxWidth = 64,
   parameter int MinRows = 3,
   parameter int MaxFrames = 256,
@@ -34,7 +35,7 @@ module fs_ends #(
   input  logic [31:0] data_i,
   output logic        read_valid_o,
   output logic [31:0] data_o,
-  // To look at.
+  // Internal signals for the test to observe.
   output logic [11:0] width_o,
   output logic [11:0] height_o,
   output logic        stage_rst_no,
@@ -68,7 +69,7 @@ module fs_ends #(
     .valid_i(first_valid), .sof_i(first_sof), .sol_i(first_sol),
     .valid_o(last_valid), .sof_o(last_sof), .sol_o(last_sol)
   );
-  // The data by number of ticks.
+  // Pixels by tick number, modulo 4096.
   logic [15:0] memory[0:4095];
   logic [11:0] now_q;
   always_ff @(posedge clk_i) begin

@@ -1,5 +1,5 @@
-// Drives the two ends of the gateware pipeline (test/rtl/fs_ends.sv) as a source and a sink of
-// streams and over the bus, and says what must come out.
+// Drives input and output of the gateware pipeline (test/rtl/input_output.sv): a stream source, a
+// stream sink and the register bus. expected_frames() is the twin of fs_input.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,40 +14,42 @@
 #include "fpga_stereo/core/spec.hpp"
 #include "rtl/register_bus.hpp"
 
-namespace fpga_stereo::test::ends {
+namespace fpga_stereo::test::input_output {
 
 /// One word of the stream of pixel pairs.
 struct Pixel {
   bool sof = false, eol = false;
   std::uint16_t value = 0;  // left << 8 | right
-  int idle_clocks = 0;      // before it
+  int idle_clocks = 0;      // before this word
 };
 
-/// What must come out for one frame.
-struct Frame {
+/// A frame that the output must deliver.
+struct ExpectedFrame {
   std::vector<std::uint16_t> pixels;
-  bool cut = false, surplus = false, lacks = false;
-  bool bad() const { return cut || surplus || lacks; }
+  bool is_cut = false, is_long = false, has_buffer_error = false;
+  bool is_bad() const { return is_cut || is_long || has_buffer_error; }
 };
 
-/// What came out for one frame.
-struct Received {
+/// A frame that the output delivered.
+struct ReceivedFrame {
   std::vector<std::uint16_t> pixels;
   int width = 0;
-  bool bad = false;
+  bool is_bad = false;
 };
 
-constexpr std::uint16_t kLacking = 0xEEEE;  // "rectify" of fs_ends lacks such pixels
+/// input_output.sv reports a buffer error for pixels of this value.
+constexpr std::uint16_t kBufferErrorPixel = 0xEEEE;
 
-/// The frames that a stream gives; what is after the last whole one is left out.
-inline std::vector<Frame> expected_frames(const std::vector<Pixel>& stream, int width, int height) {
+/// Returns the frames that a stream results in, up to the last complete one.
+inline std::vector<ExpectedFrame> expected_frames(const std::vector<Pixel>& stream, int width,
+                                                  int height) {
   const std::size_t size = static_cast<std::size_t>(width) * height;
-  std::vector<Frame> frames;
-  std::size_t line = 0;  // where the line under way begins
+  std::vector<ExpectedFrame> frames;
+  std::size_t line = 0;  // index of the current line's first pixel
   bool dropping = false;
   const auto fill = [&](std::size_t end) {
-    Frame& f = frames.back();
-    if (f.pixels.size() < end) f.cut = true;
+    ExpectedFrame& f = frames.back();
+    if (f.pixels.size() < end) f.is_cut = true;
     f.pixels.resize(std::max(end, f.pixels.size()), 0);
   };
   for (const Pixel& p : stream) {
@@ -58,14 +60,14 @@ inline std::vector<Frame> expected_frames(const std::vector<Pixel>& stream, int 
       dropping = false;
     }
     if (frames.empty()) continue;
-    Frame& f = frames.back();
+    ExpectedFrame& f = frames.back();
     if (dropping || f.pixels.size() == size) {
-      f.surplus = true;
+      f.is_long = true;
       if (p.eol) dropping = false;
       continue;
     }
     f.pixels.push_back(p.value);
-    if (p.value == kLacking) f.lacks = true;
+    if (p.value == kBufferErrorPixel) f.has_buffer_error = true;
     const bool full = f.pixels.size() == line + width;
     if (p.eol) fill(line + width);
     dropping = full && !p.eol;
@@ -75,36 +77,37 @@ inline std::vector<Frame> expected_frames(const std::vector<Pixel>& stream, int 
   return frames;
 }
 
-inline std::uint16_t some_value(std::mt19937& random) {
+inline std::uint16_t random_value(std::mt19937& random) {
   const auto value = static_cast<std::uint16_t>(random());
-  return value == kLacking ? 0 : value;
+  return value == kBufferErrorPixel ? 0 : value;
 }
 
 inline void append_frame(std::vector<Pixel>& stream, int width, int height, std::mt19937& random) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      stream.push_back({x == 0 && y == 0, x == width - 1, some_value(random)});
+      stream.push_back({x == 0 && y == 0, x == width - 1, random_value(random)});
     }
   }
 }
 
-inline std::vector<Pixel> whole_frames(int width, int height, int frames, unsigned seed = 1) {
+inline std::vector<Pixel> complete_frames(int width, int height, int frames, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::vector<Pixel> stream;
   for (int i = 0; i < frames; ++i) append_frame(stream, width, height, random);
   return stream;
 }
 
-/// Frames with mistakes of every kind at random places.
-inline std::vector<Pixel> spoiled_frames(int width, int height, int frames, std::mt19937& random,
-                                         unsigned one_in = 1) {
+/// Returns frames with faults of every kind at random places; one frame in `faulty_one_in` may have
+/// faults.
+inline std::vector<Pixel> faulty_frames(int width, int height, int frames, std::mt19937& random,
+                                        unsigned faulty_one_in = 1) {
   std::vector<Pixel> stream;
   for (int i = 0; i < frames; ++i) {
     append_frame(stream, width, height, random);
-    // Before the first there is nothing that a pixel could belong to.
-    if (i == 0 || random() % one_in != 0) continue;
+    // Pixels before the first frame belong to no frame, so that one has no faults.
+    if (i == 0 || random() % faulty_one_in != 0) continue;
     const std::size_t start = stream.size() - static_cast<std::size_t>(width) * height;
-    for (auto mistakes = random() % 4; mistakes > 0; --mistakes) {
+    for (auto faults = random() % 4; faults > 0; --faults) {
       const auto at = stream.begin() + start + random() % (stream.size() - start);
       switch (random() % 6) {
         case 0:
@@ -114,7 +117,7 @@ inline std::vector<Pixel> spoiled_frames(int width, int height, int frames, std:
           at->eol = !at->eol;
           break;
         case 2:
-          at->value = kLacking;
+          at->value = kBufferErrorPixel;
           break;
         case 3:
           stream.erase(at, at + std::min<std::ptrdiff_t>(random() % 40, stream.end() - at));
@@ -132,18 +135,18 @@ inline std::vector<Pixel> spoiled_frames(int width, int height, int frames, std:
   return stream;
 }
 
-/// The model with a source, a sink and a bus. Every clock checks that streams and raster keep to
-/// their rules.
+/// A model with a stream source, a stream sink and a register bus. Checks in every clock that the
+/// output stream and the raster follow the rules of fpga_fw/rtl/fs_top.sv.
 template <class Model>
-class Bench {
+class InputOutputRig {
  public:
-  Bench(int min_rows, unsigned seed) : min_rows_(min_rows), random_(seed) { reset(); }
+  InputOutputRig(int min_rows, unsigned seed) : min_rows_(min_rows), random_(seed) { reset(); }
 
-  double source_idle = 0, sink_idle = 0;  // shares of the clocks
+  double source_idle = 0, sink_idle = 0;  // probability that a clock is idle
   std::int64_t clocks = 0, ticks = 0, applies = 0;
-  int begun = 0, most_in_flight = 0;      // frames
-  std::vector<Received> frames;           // that came out whole
-  std::vector<std::int64_t> first_words;  // clocks in which frames began to come out
+  int frames_begun = 0, max_in_flight = 0;  // frames
+  std::vector<ReceivedFrame> frames;        // complete ones
+  std::vector<std::int64_t> first_words;    // clock of each frame's first output word
   Model model;
 
   void reset(int reset_clocks = 1) {
@@ -160,12 +163,13 @@ class Bench {
     x_ = y_ = 0;
     since_sol_ = -1;
     row_ = rows_since_sof_ = -1;
-    resets_ = true;
-    low_clocks_ = 0;
+    needs_stage_reset_ = true;
+    reset_clocks_ = 0;
     in_flight_ = 0;
     configuration_ = {0, 0};
   }
 
+  /// Appends to the words that the source sends.
   void send(const std::vector<Pixel>& stream) {
     in_.insert(in_.end(), stream.begin(), stream.end());
   }
@@ -176,7 +180,7 @@ class Bench {
       if (in_.front().idle_clocks > 0) {
         --in_.front().idle_clocks;
       } else {
-        offered_ = share() >= source_idle;
+        offered_ = random_share() >= source_idle;
       }
     }
     model.valid_i = offered_ ? 1 : 0;
@@ -190,7 +194,7 @@ class Bench {
       model.eol_i = random_() & 1;
       model.left_i = model.right_i = 0x99;
     }
-    model.ready_i = share() >= sink_idle ? 1 : 0;
+    model.ready_i = random_share() >= sink_idle ? 1 : 0;
     model.clk_i = 0;
     model.eval();
     check_stream();
@@ -206,7 +210,7 @@ class Bench {
   void run(int n) {
     for (int i = 0; i < n && !::testing::Test::HasFailure(); ++i) clock();
   }
-  /// Until so many frames are out, or nothing has happened for long.
+  /// Runs until `n` frames are out; fails if nothing moves for 20,000 clocks.
   void run_until(std::size_t n) {
     for (std::int64_t quiet = 0; frames.size() < n && quiet < 20000; ++quiet) {
       const auto before = ticks;
@@ -226,26 +230,27 @@ class Bench {
     return read_register(
         model, [this] { clock(); }, address);
   }
-  bool pending() { return spec::kStatusPending.get(read(spec::kRegStatus)) != 0; }
-  bool busy() { return spec::kStatusBusy.get(read(spec::kRegStatus)) != 0; }
+  bool is_pending() { return spec::kStatusPending.get(read(spec::kRegStatus)) != 0; }
+  bool is_busy() { return spec::kStatusBusy.get(read(spec::kRegStatus)) != 0; }
 
-  void request(int width, int height) {
+  /// Writes the frame size and CONTROL.apply without waiting.
+  void request_size(int width, int height) {
     write(spec::kRegWidth, width);
     write(spec::kRegHeight, height);
     write(spec::kRegControl, spec::kControlApply.put(1));
   }
-  /// With nothing in flight.
-  void configure(int width, int height) {
-    request(width, height);
-    for (int i = 0; i < 100 && pending(); ++i) run(1);
+  /// Requests a frame size and waits until it takes effect; no frame may be in flight.
+  void apply_size(int width, int height) {
+    request_size(width, height);
+    for (int i = 0; i < 100 && is_pending(); ++i) run(1);
     run(2);
-    ASSERT_FALSE(pending()) << "the configuration does not take effect";
+    ASSERT_FALSE(is_pending()) << "the configuration did not take effect";
     ASSERT_EQ(model.width_o, width);
     ASSERT_EQ(model.height_o, height);
   }
 
  private:
-  double share() { return std::uniform_real_distribution<>()(random_); }
+  double random_share() { return std::uniform_real_distribution<>()(random_); }
   void edge() {
     model.clk_i = 0;
     model.eval();
@@ -266,13 +271,13 @@ class Bench {
     const Word word{model.sof_o != 0, model.eol_o != 0, model.eof_o != 0, model.bad_o != 0,
                     model.disparity_o};
     if (held_) {
-      ASSERT_TRUE(model.valid_o) << "valid went away";
-      ASSERT_TRUE(word == last_) << "the payload changed while it waited";
+      ASSERT_TRUE(model.valid_o) << "valid fell before ready";
+      ASSERT_TRUE(word == last_) << "the payload changed while stalled";
     }
     held_ = model.valid_o && !model.ready_i;
     last_ = word;
     if (!model.valid_o || !model.ready_i) return;
-    // The size of a frame is taken from its own eol and eof; expect() compares all of it.
+    // Each frame's size follows from its own eol and eof; expect_equal() compares it.
     ASSERT_EQ(word.sof, x_ == 0 && y_ == 0) << "sof at x " << x_ << ", y " << y_;
     if (word.sof) {
       first_words.push_back(clocks);
@@ -283,7 +288,7 @@ class Bench {
     ASSERT_TRUE(!word.eof || word.eol) << "eof without eol";
     ASSERT_TRUE(!word.bad || word.eof) << "bad without eof";
     if (word.eol) {
-      ASSERT_TRUE(line_ == 0 || x_ == line_) << "a line of " << x_;
+      ASSERT_TRUE(line_ == 0 || x_ == line_) << "line " << y_ << " has " << x_ << " pixels";
       line_ = x_;
       x_ = 0;
       ++y_;
@@ -295,24 +300,24 @@ class Bench {
     }
   }
 
-  /// The rules of the raster (fs_top), and of the configuration.
+  /// Checks the rules of the raster (fs_top.sv) and when the configuration may change.
   void check_raster() {
     const std::array<int, 2> configuration{model.width_o, model.height_o};
     if (configuration_[0] != 0 && configuration != configuration_) {
-      ASSERT_TRUE(applied_) << "the configuration changed by itself";
-      ASSERT_EQ(in_flight_, 0) << "the configuration changed under a frame";
+      ASSERT_TRUE(applied_) << "the configuration changed without apply";
+      ASSERT_EQ(in_flight_, 0) << "the configuration changed with a frame in flight";
     }
     configuration_ = configuration;
     applied_ = model.apply_o;
     if (model.apply_o) {
       ASSERT_EQ(in_flight_, 0);
-      ASSERT_TRUE(since_sol_ < 0 || since_sol_ == model.width_o) << "apply within a row";
-      resets_ = true;
-      low_clocks_ = 0;
+      ASSERT_TRUE(since_sol_ < 0 || since_sol_ == model.width_o) << "apply in the middle of a row";
+      needs_stage_reset_ = true;
+      reset_clocks_ = 0;
       ++applies;
     }
     if (!model.stage_rst_no) {
-      ++low_clocks_;
+      ++reset_clocks_;
       ASSERT_FALSE(model.raster_valid_o || model.raster_sof_o || model.raster_sol_o);
       since_sol_ = -1;
       rows_since_sof_ = -1;
@@ -323,26 +328,28 @@ class Bench {
     ASSERT_GE(in_flight_, 0);
     if (!model.en_o) return;
     ++ticks;
-    ASSERT_TRUE(!resets_ || low_clocks_ >= 4) << "no reset of the stages";
-    resets_ = false;
+    ASSERT_TRUE(!needs_stage_reset_ || reset_clocks_ >= 4)
+        << "the stages were not reset for 4 clocks";
+    needs_stage_reset_ = false;
     if (since_sol_ < 0 || since_sol_ == model.width_o) {
-      ASSERT_TRUE(model.raster_sol_o) << "a row that does not start with sol";
+      ASSERT_TRUE(model.raster_sol_o) << "a row does not start with sol";
       since_sol_ = 0;
       if (rows_since_sof_ >= 0) ++rows_since_sof_;
       if (model.raster_sof_o) {
         ASSERT_TRUE(model.raster_valid_o);
-        ASSERT_LT(row_, 0) << "a frame starts within a frame";
+        ASSERT_LT(row_, 0) << "a frame starts before the previous one ended";
         ASSERT_TRUE(rows_since_sof_ < 0 || rows_since_sof_ >= min_rows_)
             << "frames start " << rows_since_sof_ << " rows apart";
         row_ = rows_since_sof_ = 0;
         ++in_flight_;
-        ++begun;
-        most_in_flight = std::max(most_in_flight, in_flight_);
+        ++frames_begun;
+        max_in_flight = std::max(max_in_flight, in_flight_);
       } else {
         ASSERT_EQ(model.raster_valid_o != 0, row_ >= 0);
       }
     } else {
-      ASSERT_FALSE(model.raster_sol_o || model.raster_sof_o) << "sol after " << since_sol_;
+      ASSERT_FALSE(model.raster_sol_o || model.raster_sof_o)
+          << "sol or sof at column " << since_sol_;
       ASSERT_EQ(model.raster_valid_o != 0, row_ >= 0);
     }
     ++since_sol_;
@@ -357,55 +364,56 @@ class Bench {
   std::vector<std::uint16_t> partial_;
   int x_ = 0, y_ = 0, line_ = 0;
   int since_sol_ = -1, row_ = -1, rows_since_sof_ = -1, in_flight_ = 0;
-  bool resets_ = true;  // the stages must be reset before the next tick
-  int low_clocks_ = 0;  // of stage_rst_no
+  bool needs_stage_reset_ = true;  // before the next tick
+  int reset_clocks_ = 0;           // of stage_rst_no
   std::array<int, 2> configuration_{};
 };
 
-/// Bit for bit, from frame `first` of the bench on.
+/// Compares the rig's frames from `first` on with the expected ones, bit for bit.
 template <class Model>
-void expect(const Bench<Model>& bench, const std::vector<Frame>& expected, std::size_t first = 0) {
-  ASSERT_EQ(bench.frames.size(), first + expected.size());
+void expect_equal(const InputOutputRig<Model>& rig, const std::vector<ExpectedFrame>& expected,
+                  std::size_t first = 0) {
+  ASSERT_EQ(rig.frames.size(), first + expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    ASSERT_EQ(bench.frames[first + i].pixels, expected[i].pixels) << "frame " << i;
-    ASSERT_EQ(bench.frames[first + i].bad, expected[i].bad()) << "bad flag of frame " << i;
+    ASSERT_EQ(rig.frames[first + i].pixels, expected[i].pixels) << "frame " << i;
+    ASSERT_EQ(rig.frames[first + i].is_bad, expected[i].is_bad()) << "bad flag of frame " << i;
   }
 }
 
 template <class Model>
-void expect_counters(Bench<Model>& bench, const std::vector<Frame>& expected) {
-  std::uint32_t cut = 0, surplus = 0, lacks = 0;
-  for (const Frame& f : expected) {
-    cut += f.cut ? 1 : 0;
-    surplus += f.surplus ? 1 : 0;
-    lacks += f.lacks ? 1 : 0;
+void expect_counters(InputOutputRig<Model>& rig, const std::vector<ExpectedFrame>& expected) {
+  std::uint32_t cut = 0, too_long = 0, buffer_errors = 0;
+  for (const ExpectedFrame& f : expected) {
+    cut += f.is_cut ? 1 : 0;
+    too_long += f.is_long ? 1 : 0;
+    buffer_errors += f.has_buffer_error ? 1 : 0;
   }
-  EXPECT_EQ(bench.read(spec::kRegFramesOut), expected.size());
-  EXPECT_EQ(bench.read(spec::kRegCutFrames), cut);
-  EXPECT_EQ(bench.read(spec::kRegLongFrames), surplus);
-  EXPECT_EQ(bench.read(spec::kRegBufferErrors), lacks);
-  const std::uint32_t errors = bench.read(spec::kRegErrors);
+  EXPECT_EQ(rig.read(spec::kRegFramesOut), expected.size());
+  EXPECT_EQ(rig.read(spec::kRegCutFrames), cut);
+  EXPECT_EQ(rig.read(spec::kRegLongFrames), too_long);
+  EXPECT_EQ(rig.read(spec::kRegBufferErrors), buffer_errors);
+  const std::uint32_t errors = rig.read(spec::kRegErrors);
   EXPECT_EQ(spec::kErrorsCutFrame.get(errors), cut > 0 ? 1U : 0U);
-  EXPECT_EQ(spec::kErrorsLongFrame.get(errors), surplus > 0 ? 1U : 0U);
-  EXPECT_EQ(spec::kErrorsBufferLeft.get(errors), lacks > 0 ? 1U : 0U);
+  EXPECT_EQ(spec::kErrorsLongFrame.get(errors), too_long > 0 ? 1U : 0U);
+  EXPECT_EQ(spec::kErrorsBufferLeft.get(errors), buffer_errors > 0 ? 1U : 0U);
 }
 
-/// Sends a stream, behind it a whole frame, and compares everything.
+/// Sends the stream and after it one complete frame; compares frames, flags and counters.
 template <class Model>
-void check(Bench<Model>& bench, std::vector<Pixel> stream, int width, int height) {
+void send_and_check(InputOutputRig<Model>& rig, std::vector<Pixel> stream, int width, int height) {
   std::mt19937 random(7);
   append_frame(stream, width, height, random);
   const auto expected = expected_frames(stream, width, height);
-  const std::size_t first = bench.frames.size();
-  bench.write(spec::kRegControl, spec::kControlClear.put(1));
-  bench.send(stream);
-  bench.run_until(first + expected.size());
+  const std::size_t first = rig.frames.size();
+  rig.write(spec::kRegControl, spec::kControlClear.put(1));
+  rig.send(stream);
+  rig.run_until(first + expected.size());
   if (::testing::Test::HasFatalFailure()) return;
-  bench.run(200);
-  expect(bench, expected, first);
-  expect_counters(bench, expected);
-  EXPECT_EQ(bench.read(spec::kRegFramesIn), expected.size());
-  EXPECT_FALSE(bench.busy());
+  rig.run(200);
+  expect_equal(rig, expected, first);
+  expect_counters(rig, expected);
+  EXPECT_EQ(rig.read(spec::kRegFramesIn), expected.size());
+  EXPECT_FALSE(rig.is_busy());
 }
 
-}  // namespace fpga_stereo::test::ends
+}  // namespace fpga_stereo::test::input_output
