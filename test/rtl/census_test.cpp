@@ -1,4 +1,4 @@
-// fs_census against census().
+// Compares fs_census with census().
 #include <gtest/gtest.h>
 
 #include "CensusFull.h"
@@ -14,7 +14,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-Parameters windows(int census, CensusPattern pattern, int correlation) {
+Parameters window_parameters(int census, CensusPattern pattern, int correlation) {
   Parameters p;
   p.census_window_size = census;
   p.census_pattern = pattern;
@@ -23,28 +23,28 @@ Parameters windows(int census, CensusPattern pattern, int correlation) {
 }
 
 template <class Model>
-Parameters built();
+Parameters build_parameters();
 template <>
-Parameters built<CensusSparse>() {
-  return windows(11, CensusPattern::kSparse, 15);
+Parameters build_parameters<CensusSparse>() {
+  return window_parameters(11, CensusPattern::kSparse, 15);
 }
 template <>
-Parameters built<CensusFull>() {
-  return windows(11, CensusPattern::kFull, 15);
+Parameters build_parameters<CensusFull>() {
+  return window_parameters(11, CensusPattern::kFull, 15);
 }
 template <>
-Parameters built<CensusSmall>() {
-  return windows(7, CensusPattern::kSparse, 5);
+Parameters build_parameters<CensusSmall>() {
+  return window_parameters(7, CensusPattern::kSparse, 5);
 }
 
 struct Images {
   cv::Mat1b left, right;
 };
 
-/// Runs the images through the model, each a frame, and compares all four outputs.
+/// Sends each image pair through the model as one frame and compares all four outputs.
 template <class Model>
 RasterResult compare(const std::vector<Images>& images, Raster raster) {
-  const Parameters p = built<Model>();
+  const Parameters p = build_parameters<Model>();
   const int bits = static_cast<int>(census_neighbours(p).size());
   const int words = (bits + 31) / 32;
   const int window = p.correlation_window_size;
@@ -117,7 +117,7 @@ class RtlCensus : public ::testing::Test {};
 using Models = ::testing::Types<CensusSparse, CensusFull, CensusSmall>;
 TYPED_TEST_SUITE(RtlCensus, Models);
 
-TYPED_TEST(RtlCensus, RandomImagesOfManySizesBackToBack) {
+TYPED_TEST(RtlCensus, EqualsSoftwareAtManySizesBackToBack) {
   for (const cv::Size size : {cv::Size(16, 1), cv::Size(16, 2), cv::Size(17, 5), cv::Size(16, 12),
                               cv::Size(23, 31), cv::Size(64, 20)}) {
     SCOPED_TRACE(::testing::Message() << size);
@@ -127,14 +127,14 @@ TYPED_TEST(RtlCensus, RandomImagesOfManySizesBackToBack) {
   }
 }
 
-TYPED_TEST(RtlCensus, StallsAndBubbleRows) {
+TYPED_TEST(RtlCensus, EqualsSoftwareWithStallsAndBubbleRows) {
   Raster raster;
   raster.bubble_rows = {2, 1, 0, 3, 40};
-  raster.stalled = 0.4;
+  raster.stall_chance = 0.4;
   compare<TypeParam>(random_pairs({19, 22}, 6, 3), raster);
 }
 
-TYPED_TEST(RtlCensus, ExtremeImages) {
+TYPED_TEST(RtlCensus, EqualsSoftwareOnExtremeImages) {
   std::vector<Images> pairs;
   for (const NamedImage& named : extreme_images({18, 19}, 5)) {
     pairs.push_back({named.image, 255 - named.image});
@@ -142,15 +142,15 @@ TYPED_TEST(RtlCensus, ExtremeImages) {
   compare<TypeParam>(pairs, {});
 }
 
-TYPED_TEST(RtlCensus, ResetInTheMiddleOfAFrame) {
+TYPED_TEST(RtlCensus, RecoversFromAResetInTheMiddleOfAFrame) {
   Raster raster;
   raster.reset_after_ticks = 20 * 21 + 20 * 9 + 7;
   compare<TypeParam>(random_pairs({20, 21}, 2, 11), raster);
 }
 
-TYPED_TEST(RtlCensus, Latency) {
-  const int radius = built<TypeParam>().census_window_size / 2;
-  const bool full = built<TypeParam>().census_pattern == CensusPattern::kFull;
+TYPED_TEST(RtlCensus, HasTheDocumentedLatency) {
+  const int radius = build_parameters<TypeParam>().census_window_size / 2;
+  const bool full = build_parameters<TypeParam>().census_pattern == CensusPattern::kFull;
   const int reach = full ? radius : radius / 2 * 2;
   for (const int width : {16, 31}) {
     EXPECT_EQ(compare<TypeParam>(random_pairs({width, 9}, 1, 1), {}).latency_ticks,

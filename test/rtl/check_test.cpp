@@ -1,4 +1,4 @@
-// fs_check against check().
+// Compares fs_check with check().
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,8 @@ constexpr Build kBuild<Check64>{64, 6, 13};
 template <>
 constexpr Build kBuild<Check128>{128, 7, 15};
 
-/// Runs the frames through the model and compares what is kept; winner and around must pass.
+/// Sends the frames through the model and compares the kept flags; winner and around must pass
+/// through unchanged.
 template <class Model>
 RasterResult compare(const std::vector<Selection>& frames, const Parameters& p, Raster raster) {
   constexpr int index_bits = kBuild<Model>.index_bits, sum_bits = kBuild<Model>.sum_bits;
@@ -90,7 +91,7 @@ template <class Model>
 class RtlCheck : public ::testing::Test {
  protected:
   static constexpr int kRange = kBuild<Model>.range;
-  static constexpr int kLargest = (1 << kBuild<Model>.sum_bits) - 1;
+  static constexpr int kMaxSum = (1 << kBuild<Model>.sum_bits) - 1;
 
   static Parameters parameters() {
     Parameters p;
@@ -98,8 +99,8 @@ class RtlCheck : public ::testing::Test {
     return p;
   }
 
-  /// Random winners and sums, close to what makes the difference with `p`.
-  static Selection random(cv::Size size, unsigned seed, const Parameters& p) {
+  /// Random winners and sums, most of them close to the thresholds of `p`.
+  static Selection random_selection(cv::Size size, unsigned seed, const Parameters& p) {
     std::mt19937 random(seed);
     const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
     Selection s;
@@ -107,18 +108,18 @@ class RtlCheck : public ::testing::Test {
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         s.right_winner(y, x) = static_cast<std::uint8_t>(below(kRange));
-        for (int k = 0; k < 5; ++k) s.around(y, x)[k] = static_cast<std::uint16_t>(below(kLargest));
-        const int v1 = below(4) == 0 ? below(3) : below(kLargest + 1);
+        for (int k = 0; k < 5; ++k) s.around(y, x)[k] = static_cast<std::uint16_t>(below(kMaxSum));
+        const int v1 = below(4) == 0 ? below(3) : below(kMaxSum + 1);
         const int v2 =
-            below(8) == 0 ? below(kLargest + 1) : uniqueness_factor(p) * v1 / 256 + below(3) - 1;
+            below(8) == 0 ? below(kMaxSum + 1) : uniqueness_factor(p) * v1 / 256 + below(3) - 1;
         s.winner_sum(y, x) = static_cast<std::uint16_t>(v1);
-        s.runner_up_sum(y, x) = static_cast<std::uint16_t>(std::clamp(v2, 0, kLargest));
+        s.runner_up_sum(y, x) = static_cast<std::uint16_t>(std::clamp(v2, 0, kMaxSum));
       }
       for (int x = 0; x < size.width; ++x) {
         const int d = below(std::min(kRange, x + 2));
         s.winner(y, x) = static_cast<std::uint8_t>(d);
-        const int off = std::min(p.disp12MaxDiff, kRange) + 1 - below(3);
-        const int right = std::clamp(below(2) == 0 ? d + off : d - off, 0, kRange - 1);
+        const int offset = std::min(p.disp12MaxDiff, kRange) + 1 - below(3);
+        const int right = std::clamp(below(2) == 0 ? d + offset : d - offset, 0, kRange - 1);
         if (x >= d) s.right_winner(y, x - d) = static_cast<std::uint8_t>(right);
       }
     }
@@ -128,39 +129,40 @@ class RtlCheck : public ::testing::Test {
 using Models = ::testing::Types<Check16, Check20, Check64, Check128>;
 TYPED_TEST_SUITE(RtlCheck, Models);
 
-TYPED_TEST(RtlCheck, RandomOfManySizesBackToBack) {
+TYPED_TEST(RtlCheck, EqualsSoftwareAtManyWidthsBackToBack) {
   for (const int width : {16, 17, 63, 64, 65, 130, 300}) {
     SCOPED_TRACE(width);
     Raster raster;
     raster.seed = width;
     const Parameters p = this->parameters();
     std::vector<Selection> frames;
-    for (unsigned i = 0; i < 4; ++i) frames.push_back(this->random({width, 7}, width + i, p));
+    for (unsigned i = 0; i < 4; ++i)
+      frames.push_back(this->random_selection({width, 7}, width + i, p));
     compare<TypeParam>(frames, p, raster);
   }
 }
 
-TYPED_TEST(RtlCheck, EveryDifferenceAllowed) {
+TYPED_TEST(RtlCheck, EqualsSoftwareAtManyValuesOfDisp12MaxDiff) {
   for (const int difference : {0, 1, 2, 15, 16, 63, 64, 127, 128, 255}) {
     Parameters p = this->parameters();
     p.uniqueness_check = false;
     p.disp12MaxDiff = difference;
-    compare<TypeParam>({this->random({200, 20}, difference, p)}, p, {});
+    compare<TypeParam>({this->random_selection({200, 20}, difference, p)}, p, {});
   }
 }
 
-TYPED_TEST(RtlCheck, EveryUniquenessRatio) {
+TYPED_TEST(RtlCheck, EqualsSoftwareAtManyUniquenessRatios) {
   for (const double ratio : {0.0, 0.2, 1.0, 33.0, 50.0, 99.7, 100.0, 299.6}) {
     Parameters p = this->parameters();
     p.left_right_check = false;
     p.uniqueness_ratio = ratio;
     ASSERT_LT(uniqueness_factor(p), 1024);
-    compare<TypeParam>({this->random({64, 40}, static_cast<unsigned>(ratio), p)}, p, {});
+    compare<TypeParam>({this->random_selection({64, 40}, static_cast<unsigned>(ratio), p)}, p, {});
   }
 }
 
-// Ends of the ranges: x - dL = 0 and -1, the largest sums and winners.
-TYPED_TEST(RtlCheck, Ends) {
+// Limits of the ranges: x - dL = 0 and -1, the largest sums and winners.
+TYPED_TEST(RtlCheck, EqualsSoftwareAtTheLimitsOfTheRanges) {
   Selection s;
   create(s, {this->kRange + 3, 4});
   const int last = this->kRange - 1;
@@ -172,9 +174,9 @@ TYPED_TEST(RtlCheck, Ends) {
     s.winner(3, x) = static_cast<std::uint8_t>(x % 2 == 0 ? 0 : last);
     for (int y = 0; y < 4; ++y) {
       s.right_winner(y, x) = y == 2 ? static_cast<std::uint8_t>(last) : falling;
-      s.winner_sum(y, x) = static_cast<std::uint16_t>(x % 3 == 0 ? this->kLargest : 0);
-      s.runner_up_sum(y, x) = static_cast<std::uint16_t>(x % 2 == 0 ? this->kLargest : 0);
-      s.around(y, x) = {0, 1, 2, 3, static_cast<std::uint16_t>(this->kLargest)};
+      s.winner_sum(y, x) = static_cast<std::uint16_t>(x % 3 == 0 ? this->kMaxSum : 0);
+      s.runner_up_sum(y, x) = static_cast<std::uint16_t>(x % 2 == 0 ? this->kMaxSum : 0);
+      s.around(y, x) = {0, 1, 2, 3, static_cast<std::uint16_t>(this->kMaxSum)};
     }
   }
   for (const bool left_right : {false, true}) {
@@ -193,29 +195,31 @@ TYPED_TEST(RtlCheck, Ends) {
   }
 }
 
-TYPED_TEST(RtlCheck, StallsAndBubbleRows) {
+TYPED_TEST(RtlCheck, EqualsSoftwareWithStallsAndBubbleRows) {
   Raster raster;
   raster.bubble_rows = {2, 1, 0, 3, 30, 0};
-  raster.stalled = 0.4;
+  raster.stall_chance = 0.4;
   const Parameters p = this->parameters();
   std::vector<Selection> frames;
-  for (unsigned i = 0; i < 6; ++i) frames.push_back(this->random({25, 3}, i, p));
+  for (unsigned i = 0; i < 6; ++i) frames.push_back(this->random_selection({25, 3}, i, p));
   compare<TypeParam>(frames, p, raster);
 }
 
-TYPED_TEST(RtlCheck, ResetInTheMiddleOfAFrame) {
+TYPED_TEST(RtlCheck, RecoversFromAResetInTheMiddleOfAFrame) {
   for (const int ticks : {2, 30 * 7 + 13, 30 * 14 + 1}) {
     Raster raster;
     raster.reset_after_ticks = ticks;
     const Parameters p = this->parameters();
-    compare<TypeParam>({this->random({30, 7}, 1, p), this->random({30, 7}, 2, p)}, p, raster);
+    compare<TypeParam>(
+        {this->random_selection({30, 7}, 1, p), this->random_selection({30, 7}, 2, p)}, p, raster);
   }
 }
 
-TYPED_TEST(RtlCheck, Latency) {
+TYPED_TEST(RtlCheck, HasTheDocumentedLatency) {
   const Parameters p = this->parameters();
   for (const int width : {16, 100}) {
-    EXPECT_EQ(compare<TypeParam>({this->random({width, 2}, 1, p)}, p, {}).latency_ticks, 3);
+    EXPECT_EQ(compare<TypeParam>({this->random_selection({width, 2}, 1, p)}, p, {}).latency_ticks,
+              3);
   }
 }
 

@@ -1,4 +1,4 @@
-// fs_match against Match.
+// Compares fs_match with Match.
 #include <gtest/gtest.h>
 
 #include "MatchFull.h"
@@ -15,22 +15,22 @@ namespace fpga_stereo::test {
 namespace {
 
 template <class Model>
-Parameters built();
+Parameters build_parameters();
 template <>
-Parameters built<MatchSparse>() {
+Parameters build_parameters<MatchSparse>() {
   Parameters p;
   p.disparity_range = 16;
   return p;
 }
 template <>
-Parameters built<MatchFull>() {
+Parameters build_parameters<MatchFull>() {
   Parameters p;
   p.disparity_range = 20;
   p.census_pattern = CensusPattern::kFull;
   return p;
 }
 template <>
-Parameters built<MatchLarge>() {
+Parameters build_parameters<MatchLarge>() {
   Parameters p;
   p.disparity_range = 16;
   p.census_window_size = 7;
@@ -38,11 +38,12 @@ Parameters built<MatchLarge>() {
   return p;
 }
 
-/// The model with its census bits of rows that leave: those that entered some rows before.
+/// fs_match with a delay line for the census bits of the row that leaves the correlation window:
+/// they are those that entered `delay_ticks` ticks earlier.
 template <class Model>
-class Fed : public Model {
+class ModelWithCensusDelay : public Model {
  public:
-  explicit Fed(std::size_t ticks) : delay_(ticks) {}
+  explicit ModelWithCensusDelay(std::size_t delay_ticks) : delay_(delay_ticks) {}
 
   void eval() {
     const bool rising = this->clk_i && !last_clock_;
@@ -65,23 +66,25 @@ class Fed : public Model {
   std::vector<std::pair<Port, Port>> history_;
 };
 
+/// Returns the width in bits of a window sum.
 int sum_bits(const Parameters& p) {
   const int window = p.correlation_window_size;
-  const auto most = static_cast<unsigned>(window * window * census_neighbours(p).size());
+  const auto max_sum = static_cast<unsigned>(window * window * census_neighbours(p).size());
   int bits = 0;
-  while (most >> bits != 0) ++bits;
+  while (max_sum >> bits != 0) ++bits;
   return bits;
 }
 
-/// Runs pairs of census images through the model, each a frame, and compares every sum.
+/// Sends each pair of census images through the model as one frame and compares every window sum.
 template <class Model>
 RasterResult compare(const std::vector<std::pair<cv::Mat, cv::Mat>>& pairs, Raster raster) {
-  const Parameters p = built<Model>();
+  const Parameters p = build_parameters<Model>();
   const int bits = static_cast<int>(census_neighbours(p).size());
   const int range = p.disparity_range;
   raster.width = pairs[0].first.cols;
   raster.height = pairs[0].first.rows;
-  const cv::Size size(raster.width * range, raster.height);  // all d of a pixel side by side
+  // All disparities of a pixel lie side by side.
+  const cv::Size size(raster.width * range, raster.height);
 
   std::vector<cv::Mat1w> expected, actual;
   for (const auto& [left, right] : pairs) {
@@ -96,7 +99,8 @@ RasterResult compare(const std::vector<std::pair<cv::Mat, cv::Mat>>& pairs, Rast
       }
     }
   }
-  Fed<Model> model(static_cast<std::size_t>(p.correlation_window_size) * raster.width);
+  ModelWithCensusDelay<Model> model(static_cast<std::size_t>(p.correlation_window_size) *
+                                    raster.width);
   model.width_i = raster.width;
   model.height_i = raster.height;
   const int words = (bits + 31) / 32;
@@ -130,11 +134,11 @@ RasterResult compare(const std::vector<std::pair<cv::Mat, cv::Mat>>& pairs, Rast
   return result;
 }
 
-/// Census images with every bit random, or all alike (fill 0 or 1: no or every bit set).
+/// Returns pairs of census images. A fill of 0 or 1 clears or sets every bit; -1 makes them random.
 template <class Model>
-std::vector<std::pair<cv::Mat, cv::Mat>> pairs(cv::Size size, int frames, unsigned seed,
-                                               int fill_left = -1, int fill_right = -1) {
-  const auto bits = static_cast<int>(census_neighbours(built<Model>()).size());
+std::vector<std::pair<cv::Mat, cv::Mat>> census_pairs(cv::Size size, int frames, unsigned seed,
+                                                      int fill_left = -1, int fill_right = -1) {
+  const auto bits = static_cast<int>(census_neighbours(build_parameters<Model>()).size());
   std::mt19937 random(seed);
   const auto image = [&](int fill) {
     cv::Mat out(size, CV_32SC((bits + 31) / 32));
@@ -156,60 +160,62 @@ std::vector<std::pair<cv::Mat, cv::Mat>> pairs(cv::Size size, int frames, unsign
 template <class Model>
 class RtlMatch : public ::testing::Test {
  protected:
-  int smallest_width() const { return std::max(16, built<Model>().correlation_window_size + 1); }
-  int radius() const { return built<Model>().correlation_window_size / 2; }
+  int min_width() const {
+    return std::max(16, build_parameters<Model>().correlation_window_size + 1);
+  }
+  int radius() const { return build_parameters<Model>().correlation_window_size / 2; }
 };
 using Models = ::testing::Types<MatchSparse, MatchFull, MatchLarge>;
 TYPED_TEST_SUITE(RtlMatch, Models);
 
-TYPED_TEST(RtlMatch, RandomBitsOfManySizesBackToBack) {
-  const int width = this->smallest_width();
-  const int height = this->radius() + 1;  // the least that may follow each other at once
+TYPED_TEST(RtlMatch, EqualsSoftwareAtManySizesBackToBack) {
+  const int width = this->min_width();
+  const int height = this->radius() + 1;  // the minimum for frames without bubble rows
   for (const cv::Size size :
        {cv::Size(width, height), cv::Size(width + 1, height + 1), cv::Size(width + 7, 2 * height),
         cv::Size(width + 20, 2 * height + 5), cv::Size(64, 3 * height)}) {
     SCOPED_TRACE(::testing::Message() << size);
     Raster raster;
     raster.seed = size.width;
-    compare<TypeParam>(pairs<TypeParam>(size, 3, 7 * size.height), raster);
+    compare<TypeParam>(census_pairs<TypeParam>(size, 3, 7 * size.height), raster);
   }
 }
 
-TYPED_TEST(RtlMatch, HeightsBelowTheWindow) {
+TYPED_TEST(RtlMatch, EqualsSoftwareAtHeightsBelowTheWindow) {
   for (int height = 1; height <= this->radius(); ++height) {
     SCOPED_TRACE(height);
     Raster raster;
     const int gap = this->radius() + 1 - height;
     raster.bubble_rows = {1, gap, gap, gap + 1};
-    compare<TypeParam>(pairs<TypeParam>({this->smallest_width(), height}, 5, height), raster);
+    compare<TypeParam>(census_pairs<TypeParam>({this->min_width(), height}, 5, height), raster);
   }
 }
 
-TYPED_TEST(RtlMatch, StallsAndBubbleRows) {
+TYPED_TEST(RtlMatch, EqualsSoftwareWithStallsAndBubbleRows) {
   Raster raster;
   raster.bubble_rows = {2, 1, 0, 3, 30, 12};
-  raster.stalled = 0.4;
-  compare<TypeParam>(pairs<TypeParam>({25, 17}, 7, 3), raster);
+  raster.stall_chance = 0.4;
+  compare<TypeParam>(census_pairs<TypeParam>({25, 17}, 7, 3), raster);
 }
 
-TYPED_TEST(RtlMatch, LargestAndSmallestSums) {
+TYPED_TEST(RtlMatch, EqualsSoftwareAtMinAndMaxSums) {
   for (const int left : {0, 1}) {
     for (const int right : {0, 1}) {
-      compare<TypeParam>(pairs<TypeParam>({40, 30}, 2, 1, left, right), {});
+      compare<TypeParam>(census_pairs<TypeParam>({40, 30}, 2, 1, left, right), {});
     }
   }
 }
 
-TYPED_TEST(RtlMatch, ResetInTheMiddleOfAFrame) {
+TYPED_TEST(RtlMatch, RecoversFromAResetInTheMiddleOfAFrame) {
   Raster raster;
   raster.reset_after_ticks = 30 * 26 + 30 * 11 + 13;
-  compare<TypeParam>(pairs<TypeParam>({30, 26}, 2, 11), raster);
+  compare<TypeParam>(census_pairs<TypeParam>({30, 26}, 2, 11), raster);
 }
 
-TYPED_TEST(RtlMatch, Latency) {
-  const bool many_bits = census_neighbours(built<TypeParam>()).size() > 30;
+TYPED_TEST(RtlMatch, HasTheDocumentedLatency) {
+  const bool many_bits = census_neighbours(build_parameters<TypeParam>()).size() > 30;
   for (const int width : {24, 31}) {
-    EXPECT_EQ(compare<TypeParam>(pairs<TypeParam>({width, 12}, 1, 1), {}).latency_ticks,
+    EXPECT_EQ(compare<TypeParam>(census_pairs<TypeParam>({width, 12}, 1, 1), {}).latency_ticks,
               this->radius() * width + this->radius() + (many_bits ? 10 : 9));
   }
 }

@@ -1,4 +1,4 @@
-// fs_select against select().
+// Compares fs_select with select().
 #include <gtest/gtest.h>
 
 #include "Select128.h"
@@ -30,10 +30,10 @@ constexpr Build kBuild<Select64Wide>{64, 15};
 template <>
 constexpr Build kBuild<Select128>{128, 13};
 
-/// The sums of a frame: of each row, D x W.
+/// The window sums of a frame: a D x W matrix for each row.
 using Sums = std::vector<cv::Mat1w>;
 
-/// Sets a port to numbers of `bits` bits each, the first in the lowest bits.
+/// Packs numbers of `bits` bits each into a port, the first in the lowest bits.
 template <class Port>
 void pack(Port& port, const std::vector<std::uint32_t>& numbers, int bits) {
   std::uint64_t word = 0;
@@ -49,7 +49,7 @@ void pack(Port& port, const std::vector<std::uint32_t>& numbers, int bits) {
   if (filled > 0) port[at] = static_cast<std::uint32_t>(word);
 }
 
-/// Runs the frames through the model and compares all outputs.
+/// Sends the frames through the model and compares all outputs.
 template <class Model>
 RasterResult compare(const std::vector<Sums>& frames, Raster raster) {
   const auto [range, bits] = kBuild<Model>;
@@ -101,7 +101,7 @@ template <class Model>
 class RtlSelect : public ::testing::Test {
  protected:
   static constexpr int kRange = kBuild<Model>.range;
-  static constexpr int kLargest = (1 << kBuild<Model>.sum_bits) - 1;
+  static constexpr int kMaxSum = (1 << kBuild<Model>.sum_bits) - 1;
 
   /// sums(d, x, y) = value(d, x, y).
   template <class Value>
@@ -118,94 +118,94 @@ class RtlSelect : public ::testing::Test {
     return out;
   }
 
-  /// Random sums of `values` different ones, the largest of them `largest`.
-  static Sums random(cv::Size size, unsigned seed, int values = kLargest + 1,
-                     int largest = kLargest) {
+  /// Random sums with `values` different values, up to `max_sum`.
+  static Sums random_sums(cv::Size size, unsigned seed, int values = kMaxSum + 1,
+                          int max_sum = kMaxSum) {
     std::mt19937 random(seed);
     return frame(size, [&](int, int, int) {
-      return largest - static_cast<int>(random() % static_cast<unsigned>(values));
+      return max_sum - static_cast<int>(random() % static_cast<unsigned>(values));
     });
   }
 
-  static std::vector<Sums> of_every_kind(cv::Size size, unsigned seed) {
-    return {random(size, seed),
-            random(size, seed + 1, 2),
-            random(size, seed + 2, 2, 1),
-            random(size, seed + 3, 5, 1000),
-            random(size, seed + 4, 40),
+  static std::vector<Sums> sums_of_every_kind(cv::Size size, unsigned seed) {
+    return {random_sums(size, seed),
+            random_sums(size, seed + 1, 2),
+            random_sums(size, seed + 2, 2, 1),
+            random_sums(size, seed + 3, 5, 1000),
+            random_sums(size, seed + 4, 40),
             frame(size, [](int, int, int) { return 0; }),
-            frame(size, [](int, int, int) { return kLargest; }),
+            frame(size, [](int, int, int) { return kMaxSum; }),
             frame(size, [](int, int, int) { return 1234; }),
             frame(size, [](int d, int, int) { return 7 * d; }),
-            frame(size, [](int d, int, int) { return kLargest - 7 * d; }),
+            frame(size, [](int d, int, int) { return kMaxSum - 7 * d; }),
             frame(size, [](int d, int x, int) { return (13 * x + 29 * d) % 4096; }),
             frame(size, [](int d, int x, int) { return (13 * x + 4096 - 29 * d) % 4096; }),
-            frame(size, [](int d, int x, int y) { return (d + x + y) % 2 * kLargest; })};
+            frame(size, [](int d, int x, int y) { return (d + x + y) % 2 * kMaxSum; })};
   }
 };
 using Models = ::testing::Types<Select16, Select20, Select64, Select64Wide, Select128>;
 TYPED_TEST_SUITE(RtlSelect, Models);
 
-TYPED_TEST(RtlSelect, SumsOfEveryKindBackToBack) {
+TYPED_TEST(RtlSelect, EqualsSoftwareOnSumsOfEveryKindBackToBack) {
   for (const int width : {16, 17, 63, 64, 65, 100}) {
     SCOPED_TRACE(width);
     const int height = width < 32 ? 11 : 6;
     Raster raster;
     raster.seed = width;
-    compare<TypeParam>(this->of_every_kind({width, height}, width), raster);
+    compare<TypeParam>(this->sums_of_every_kind({width, height}, width), raster);
   }
 }
 
-// Each disparity wins with each other the second, near and far; their sums alike or not, and the
-// winner's neighbours, which are no rivals, in between.
-TYPED_TEST(RtlSelect, EveryWinnerAndRunnerUp) {
-  for (const int more : {0, 2}) {
-    std::mt19937 random(more);
+// Every disparity wins with every other one second, near and far, with equal and different sums.
+// The winner's neighbours, which are never the runner-up, have sums between the two.
+TYPED_TEST(RtlSelect, EqualsSoftwareForEveryWinnerAndRunnerUp) {
+  for (const int margin : {0, 2}) {
+    std::mt19937 random(margin);
     const Sums sums =
-        this->frame({this->kRange, this->kRange}, [&](int d, int winner, int rival) -> int {
+        this->frame({this->kRange, this->kRange}, [&](int d, int winner, int second) -> int {
           if (d == winner) return 100;
-          if (d == rival) return 100 + more;
-          if (std::abs(d - winner) == 1) return 100 + more / 2;
+          if (d == second) return 100 + margin;
+          if (std::abs(d - winner) == 1) return 100 + margin / 2;
           return 1000 + static_cast<int>(random() % 1000);
         });
     compare<TypeParam>({sums}, {});
   }
 }
 
-TYPED_TEST(RtlSelect, LargestSumsAsRunnerUpsAndNeighbours) {
+TYPED_TEST(RtlSelect, EqualsSoftwareWithMaxSumsAsRunnerUpsAndNeighbours) {
   const auto all_but_one = [&](int offset) {
     return this->frame({this->kRange, 2}, [&](int d, int x, int y) {
-      return d == x ? this->kLargest - y - offset : this->kLargest;
+      return d == x ? this->kMaxSum - y - offset : this->kMaxSum;
     });
   };
-  compare<TypeParam>({all_but_one(0), all_but_one(1), all_but_one(this->kLargest - 1)}, {});
+  compare<TypeParam>({all_but_one(0), all_but_one(1), all_but_one(this->kMaxSum - 1)}, {});
 }
 
-TYPED_TEST(RtlSelect, StallsAndBubbleRows) {
+TYPED_TEST(RtlSelect, EqualsSoftwareWithStallsAndBubbleRows) {
   Raster raster;
   raster.bubble_rows = {2, 1, 0, 3, 30, 0, 0, 1};
-  raster.stalled = 0.4;
-  compare<TypeParam>(this->of_every_kind({25, 3}, 5), raster);
+  raster.stall_chance = 0.4;
+  compare<TypeParam>(this->sums_of_every_kind({25, 3}, 5), raster);
 }
 
-TYPED_TEST(RtlSelect, FramesOfOneRow) {
+TYPED_TEST(RtlSelect, EqualsSoftwareOnFramesOfOneRow) {
   Raster raster;
   raster.bubble_rows = {0, 0, 0, 1, 0, 2};
-  compare<TypeParam>(this->of_every_kind({16, 1}, 9), raster);
+  compare<TypeParam>(this->sums_of_every_kind({16, 1}, 9), raster);
 }
 
-TYPED_TEST(RtlSelect, ResetInTheMiddleOfAFrame) {
+TYPED_TEST(RtlSelect, RecoversFromAResetInTheMiddleOfAFrame) {
   for (const int ticks : {1, 16, 70, 30 * 7 + 13, 30 * 14 + 29}) {
     SCOPED_TRACE(ticks);
     Raster raster;
     raster.reset_after_ticks = ticks;
-    compare<TypeParam>({this->random({30, 7}, 1), this->random({30, 7}, 2, 9)}, raster);
+    compare<TypeParam>({this->random_sums({30, 7}, 1), this->random_sums({30, 7}, 2, 9)}, raster);
   }
 }
 
-TYPED_TEST(RtlSelect, Latency) {
+TYPED_TEST(RtlSelect, HasTheDocumentedLatency) {
   for (const int width : {16, 100}) {
-    EXPECT_EQ(compare<TypeParam>({this->random({width, 2}, 3)}, {}).latency_ticks,
+    EXPECT_EQ(compare<TypeParam>({this->random_sums({width, 2}, 3)}, {}).latency_ticks,
               this->kRange + 1);
   }
 }

@@ -1,4 +1,5 @@
-// fs_signature, fs_fold_census and fs_fold_match against Signature, census_word() and match_word().
+// Compares fs_signature, fs_fold_census and fs_fold_match with Signature, census_word() and
+// match_word().
 #include "core/signature.hpp"
 
 #include <gtest/gtest.h>
@@ -25,11 +26,11 @@ void clock(Model& model) {
   model.eval();
 }
 
-class SignatureBench {
+class SignatureRig {
  public:
   SignatureModel model;
 
-  explicit SignatureBench(double stalled) : stalled_(stalled) {
+  explicit SignatureRig(double stall_chance) : stall_chance_(stall_chance) {
     model.stage_rst_ni = 1;
     reset();
   }
@@ -39,8 +40,9 @@ class SignatureBench {
     clock(model);
     model.rst_ni = 1;
   }
+  /// Runs one tick, preceded by random stalls.
   void tick(bool valid, bool sof, std::uint32_t word) {
-    while (std::uniform_real_distribution<>()(random_) < stalled_) {
+    while (std::uniform_real_distribution<>()(random_) < stall_chance_) {
       model.en_i = 0;
       model.valid_i = random_() & 1;
       model.sof_i = random_() & 1;
@@ -54,8 +56,8 @@ class SignatureBench {
     clock(model);
     model.en_i = 0;
   }
-  /// Returns its signature.
-  std::uint32_t frame(int pixels) {
+  /// Sends a frame of random words; returns its expected signature.
+  std::uint32_t send_frame(int pixels) {
     Signature signature;
     for (int i = 0; i < pixels; ++i) {
       const auto word = static_cast<std::uint32_t>(random_());
@@ -64,73 +66,74 @@ class SignatureBench {
     }
     return signature.value();
   }
-  void bubbles(int ticks) {
+  void send_bubbles(int ticks) {
     for (int i = 0; i < ticks; ++i) tick(false, false, random_());
   }
 
  private:
-  double stalled_;
+  double stall_chance_;
   std::mt19937 random_{1};
 };
 
-TEST(Signature, FramesWithAndWithoutBubbles) {
-  for (const double stalled : {0., 0.4}) {
-    SignatureBench bench(stalled);
-    bench.model.busy_i = 1;
-    EXPECT_EQ(bench.model.signature_o, 0U);
+TEST(Signature, UpdatesAfterEachFrameWithAndWithoutBubbles) {
+  for (const double stall_chance : {0., 0.4}) {
+    SignatureRig rig(stall_chance);
+    rig.model.busy_i = 1;
+    EXPECT_EQ(rig.model.signature_o, 0U);
     std::uint32_t last = 0;
     for (int i = 0; i < 40; ++i) {
-      const std::uint32_t expected = bench.frame(i == 0 ? 1 : 1 + i * 7 % 90);
-      EXPECT_EQ(bench.model.signature_o, last) << "before the frame is over";
+      const std::uint32_t expected = rig.send_frame(i == 0 ? 1 : 1 + i * 7 % 90);
+      EXPECT_EQ(rig.model.signature_o, last) << "changed before the frame ended";
       if (i % 3 != 0) {
-        bench.bubbles(i % 3);
-        EXPECT_EQ(bench.model.signature_o, expected);
+        rig.send_bubbles(i % 3);
+        EXPECT_EQ(rig.model.signature_o, expected);
       }
       last = expected;
     }
-    bench.bubbles(1);
-    EXPECT_EQ(bench.model.signature_o, last);
+    rig.send_bubbles(1);
+    EXPECT_EQ(rig.model.signature_o, last);
   }
 }
 
-TEST(Signature, OfTheLastFrameWithoutAFurtherTick) {
-  SignatureBench bench(0);
-  bench.model.busy_i = 1;
-  const std::uint32_t expected = bench.frame(50);
-  clock(bench.model);
-  EXPECT_EQ(bench.model.signature_o, 0U);
-  bench.model.busy_i = 0;
-  clock(bench.model);
-  EXPECT_EQ(bench.model.signature_o, expected);
-  clock(bench.model);
-  EXPECT_EQ(bench.model.signature_o, expected);
+TEST(Signature, UpdatesWithoutAFurtherTickWhenIdle) {
+  SignatureRig rig(0);
+  rig.model.busy_i = 1;
+  const std::uint32_t expected = rig.send_frame(50);
+  clock(rig.model);
+  EXPECT_EQ(rig.model.signature_o, 0U);
+  rig.model.busy_i = 0;
+  clock(rig.model);
+  EXPECT_EQ(rig.model.signature_o, expected);
+  clock(rig.model);
+  EXPECT_EQ(rig.model.signature_o, expected);
 }
 
-TEST(Signature, Resets) {
-  SignatureBench bench(0);
-  bench.model.busy_i = 1;
-  const std::uint32_t expected = bench.frame(50);
-  bench.bubbles(1);
-  // Ticks in a reset of the stages count for nothing; the signature stays.
-  bench.model.stage_rst_ni = 0;
-  bench.frame(3);
-  bench.model.stage_rst_ni = 1;
-  bench.bubbles(2);
-  EXPECT_EQ(bench.model.signature_o, expected);
-  // A reset within a frame: nothing of it is left.
-  bench.frame(20);
-  bench.reset();
-  bench.bubbles(2);
-  EXPECT_EQ(bench.model.signature_o, 0U);
-  bench.model.busy_i = 1;
-  const std::uint32_t next = bench.frame(9);
-  bench.bubbles(1);
-  EXPECT_EQ(bench.model.signature_o, next);
+TEST(Signature, RecoversFromResets) {
+  SignatureRig rig(0);
+  rig.model.busy_i = 1;
+  const std::uint32_t expected = rig.send_frame(50);
+  rig.send_bubbles(1);
+  // Ticks during a reset of the stages are ignored; the signature keeps its value.
+  rig.model.stage_rst_ni = 0;
+  rig.send_frame(3);
+  rig.model.stage_rst_ni = 1;
+  rig.send_bubbles(2);
+  EXPECT_EQ(rig.model.signature_o, expected);
+  // A reset in the middle of a frame discards that frame.
+  rig.send_frame(20);
+  rig.reset();
+  rig.send_bubbles(2);
+  EXPECT_EQ(rig.model.signature_o, 0U);
+  rig.model.busy_i = 1;
+  const std::uint32_t next = rig.send_frame(9);
+  rig.send_bubbles(1);
+  EXPECT_EQ(rig.model.signature_o, next);
 }
 
 constexpr int kWords = 500;
 
-/// Words of random inputs, with random stalls: `drive` sets the inputs and returns the word.
+/// Compares the fold of random inputs, with random stalls: `drive` sets the inputs and returns the
+/// expected word.
 template <class Model>
 void check_fold(int latency, const std::function<std::uint32_t(Model&, std::mt19937&)>& drive) {
   Model model;
@@ -149,7 +152,7 @@ void check_fold(int latency, const std::function<std::uint32_t(Model&, std::mt19
     model.sof_i = sof.back() ? 1 : 0;
     model.clk_i = 0;
     model.eval();
-    // What is here now was driven `latency` ticks ago.
+    // The present output belongs to the inputs of `latency` ticks ago.
     const std::ptrdiff_t then = static_cast<std::ptrdiff_t>(words.size()) - 1 - latency;
     if (then >= 0) {
       ASSERT_EQ(model.word_o, words[then]) << "tick " << then;
@@ -197,12 +200,12 @@ void check_match(int disparities, int bits) {
   });
 }
 
-TEST(Signature, FoldOfCensus) {
+TEST(Signature, FoldsCensusAsTheSoftwareDoes) {
   check_census<FoldCensus24>(24);
   check_census<FoldCensus120>(120);
 }
 
-TEST(Signature, FoldOfMatch) {
+TEST(Signature, FoldsMatchAsTheSoftwareDoes) {
   check_match<FoldMatch64x13>(64, 13);
   check_match<FoldMatch20x16>(20, 16);
 }

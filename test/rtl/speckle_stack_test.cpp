@@ -1,5 +1,5 @@
-// fs_speckle_stack against a vector: any order of pushes and pops, also those that fs_speckle's
-// regions never ask for.
+// Compares fs_speckle_stack with a std::vector, also in orders of pushes and pops that fs_speckle
+// never produces.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kDepth = 12;
 
-TEST(RtlSpeckleStack, RandomPushesAndPops) {
+TEST(RtlSpeckleStack, EqualsAVectorUnderRandomPushesAndPops) {
   std::mt19937 random(1);
   SpeckleStack stack;
   const auto clock = [&] {
@@ -31,7 +31,7 @@ TEST(RtlSpeckleStack, RandomPushesAndPops) {
     if (!words.empty()) {
       ASSERT_EQ(stack.top_o, words.back()) << "tick " << tick;
     }
-    // Mostly up, then mostly down.
+    // Phases of mostly pushes alternate with phases of mostly pops.
     const bool up = random() % 8 < (tick % 64 < 32 ? 5U : 2U);
     const bool acts = random() % 4 != 0;
     const std::uint32_t word = random() & 0xFF;

@@ -1,4 +1,4 @@
-// fs_speckle against speckle().
+// Compares fs_speckle with speckle().
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,18 +18,19 @@
 namespace fpga_stereo::test {
 namespace {
 
-constexpr int kNear = 40 * kDisparityScale;  // no speckle_range of these tests but 31 reaches kFar
+// kNear and kFar are connected only at a speckle_range of 31, the largest in these tests.
+constexpr int kNear = 40 * kDisparityScale;
 constexpr int kFar = 60 * kDisparityScale;
 constexpr int kNone = kNoDisparity;
 
-Parameters speckles(int size, int range) {
+Parameters speckle_parameters(int size, int range) {
   Parameters p;
   p.speckle_size = size;
   p.speckle_range = range;
   return p;
 }
 
-/// Runs the images through the model, each a frame, and compares.
+/// Sends each image through the model as one frame and compares the filtered disparities.
 template <class Model>
 RasterResult compare(const std::vector<cv::Mat1w>& images, const Parameters& p, Raster raster) {
   raster.width = images[0].cols;
@@ -58,7 +59,8 @@ RasterResult compare(const std::vector<cv::Mat1w>& images, const Parameters& p, 
   return result;
 }
 
-cv::Mat1w painted(cv::Size size, const std::function<int(int x, int y)>& value) {
+/// Returns an image of the values value(x, y).
+cv::Mat1w paint(cv::Size size, const std::function<int(int x, int y)>& value) {
   cv::Mat1w image(size);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) image(y, x) = static_cast<std::uint16_t>(value(x, y));
@@ -66,27 +68,27 @@ cv::Mat1w painted(cv::Size size, const std::function<int(int x, int y)>& value) 
   return image;
 }
 
-/// Disparities 0, step .. levels * step, and none in a share of the pixels.
-cv::Mat1w noise(cv::Size size, int levels, int step, double none, unsigned seed) {
+/// Returns random disparities out of 0, step .. levels * step; `invalid_share` of them are invalid.
+cv::Mat1w noise(cv::Size size, int levels, int step, double invalid_share, unsigned seed) {
   std::mt19937 random(seed);
-  return painted(size, [&](int, int) {
-    if (std::uniform_real_distribution<>()(random) < none) return kNone;
+  return paint(size, [&](int, int) {
+    if (std::uniform_real_distribution<>()(random) < invalid_share) return kNone;
     return std::uniform_int_distribution<>(0, levels)(random) * step;
   });
 }
 
-/// Noise of many kinds; with one level and 40 % of none regions are as ragged as they get.
-std::vector<cv::Mat1w> noises(cv::Size size, unsigned seed) {
+/// Returns noise of many kinds. Regions are most ragged with one level and 40 % invalid pixels.
+std::vector<cv::Mat1w> noise_images(cv::Size size, unsigned seed) {
   std::vector<cv::Mat1w> images;
-  for (const double none : {0.0, 0.1, 0.35, 0.41, 0.6, 0.95}) {
-    images.push_back(noise(size, 0, 0, none, ++seed));
-    images.push_back(noise(size, 2, 20, none, ++seed));
-    images.push_back(noise(size, 63, kDisparityScale, none, ++seed));
+  for (const double invalid : {0.0, 0.1, 0.35, 0.41, 0.6, 0.95}) {
+    images.push_back(noise(size, 0, 0, invalid, ++seed));
+    images.push_back(noise(size, 2, 20, invalid, ++seed));
+    images.push_back(noise(size, 63, kDisparityScale, invalid, ++seed));
   }
   return images;
 }
 
-/// A path that turns right wherever it would meet itself, 1 px wide and 1 px from itself.
+/// Returns a spiral path, 1 px wide and 1 px apart, that turns right wherever it would meet itself.
 cv::Mat1b spiral(cv::Size size) {
   cv::Mat1b path(size, std::uint8_t{0});
   const cv::Rect all({0, 0}, size);
@@ -108,54 +110,56 @@ cv::Mat1b spiral(cv::Size size) {
   return path;
 }
 
-/// Regions that meet late, or not at all, or are inside of one another.
-std::vector<cv::Mat1w> shapes(cv::Size size) {
+/// Returns images of regions that join late or never, or that lie inside one another.
+std::vector<cv::Mat1w> shape_images(cv::Size size) {
   const int w = size.width, h = size.height;
   std::vector<cv::Mat1w> images = {
-      painted(size, [](int, int) { return kNear; }),
-      painted(size, [](int, int) { return kNone; }),
-      painted(size, [&](int x, int y) { return x == w / 2 && y == h / 2 ? kNear : kNone; }),
-      painted(size, [](int x, int y) { return (x + y) % 2 == 0 ? kNear : kFar; }),
-      painted(size, [](int x, int y) { return (x + y) % 2 == 0 ? kNear : kNone; }),
-      painted(size, [](int x, int) { return x % 2 == 0 ? kNear : kFar; }),  // stripes: as many
-      painted(size, [](int, int y) { return y % 2 == 0 ? kNear : kFar; }),  // labels as pixels
-      painted(size, [](int x, int) { return x % 3 == 0 ? kNear : kNone; }),
-      painted(size, [](int x, int y) { return (x + y) / 2 % 2 == 0 ? kNear : kFar; }),
-      // Combs: teeth that join in the last, in the first or in the 25th row.
-      painted(size, [&](int x, int y) { return x % 2 == 0 || y == h - 1 ? kNear : kNone; }),
-      painted(size, [](int x, int y) { return x % 2 == 0 || y == 0 ? kNear : kFar; }),
-      painted(size, [](int x, int y) { return x % 2 == 0 || y == 24 ? kNear : kNone; }),
-      painted(size, [](int x, int y) { return x % 2 == 0 || y == 25 ? kNear : kNone; }),
-      painted(size, [](int x, int y) { return y % 2 == 0 || x == 0 ? kNear : kNone; }),
-      // Nested U and nested arches, with nothing between them and with nothing but walls.
-      painted(size,
-              [&](int x, int y) {
-                return std::min({x, w - 1 - x, h - 1 - y}) % 2 == 0 ? kNear : kFar;
-              }),
-      painted(size,
-              [&](int x, int y) {
-                return std::min({x, w - 1 - x, y}) % 2 == 0 ? kNear : kFar;
-              }),
-      painted(size,
-              [&](int x, int y) {
-                return std::min({x, w - 1 - x, y}) % 2 == 0 ? kNear : kNone;
-              }),
-      painted(size,
-              [&](int x, int y) {
-                return std::min({x, w - 1 - x, y, h - 1 - y}) % 2 == 0 ? kNear : kFar;
-              }),
-      // Arches whose legs are joined in pairs, one pair a row, from the inner to the outer ones.
-      painted(size,
-              [&](int x, int y) {
-                const int ring = std::min({x, w - 1 - x, y});
-                return ring % 2 == 0 || y == h - 1 - x / 2 ? kNear : kNone;
-              }),
+      paint(size, [](int, int) { return kNear; }),
+      paint(size, [](int, int) { return kNone; }),
+      paint(size, [&](int x, int y) { return x == w / 2 && y == h / 2 ? kNear : kNone; }),
+      paint(size, [](int x, int y) { return (x + y) % 2 == 0 ? kNear : kFar; }),
+      paint(size, [](int x, int y) { return (x + y) % 2 == 0 ? kNear : kNone; }),
+      // Vertical stripes (each pixel of a row has its own label) and horizontal stripes.
+      paint(size, [](int x, int) { return x % 2 == 0 ? kNear : kFar; }),
+      paint(size, [](int, int y) { return y % 2 == 0 ? kNear : kFar; }),
+      paint(size, [](int x, int) { return x % 3 == 0 ? kNear : kNone; }),
+      paint(size, [](int x, int y) { return (x + y) / 2 % 2 == 0 ? kNear : kFar; }),
+      // Combs whose teeth join in the last row, the first row, row 24, row 25 or the first column.
+      paint(size, [&](int x, int y) { return x % 2 == 0 || y == h - 1 ? kNear : kNone; }),
+      paint(size, [](int x, int y) { return x % 2 == 0 || y == 0 ? kNear : kFar; }),
+      paint(size, [](int x, int y) { return x % 2 == 0 || y == 24 ? kNear : kNone; }),
+      paint(size, [](int x, int y) { return x % 2 == 0 || y == 25 ? kNear : kNone; }),
+      paint(size, [](int x, int y) { return y % 2 == 0 || x == 0 ? kNear : kNone; }),
+      // Nested U shapes, nested arches and nested rings, separated by another disparity or by
+      // invalid pixels.
+      paint(size,
+            [&](int x, int y) {
+              return std::min({x, w - 1 - x, h - 1 - y}) % 2 == 0 ? kNear : kFar;
+            }),
+      paint(size,
+            [&](int x, int y) {
+              return std::min({x, w - 1 - x, y}) % 2 == 0 ? kNear : kFar;
+            }),
+      paint(size,
+            [&](int x, int y) {
+              return std::min({x, w - 1 - x, y}) % 2 == 0 ? kNear : kNone;
+            }),
+      paint(size,
+            [&](int x, int y) {
+              return std::min({x, w - 1 - x, y, h - 1 - y}) % 2 == 0 ? kNear : kFar;
+            }),
+      // Nested arches whose legs join in pairs, one pair in each row, from the inner to the outer.
+      paint(size,
+            [&](int x, int y) {
+              const int ring = std::min({x, w - 1 - x, y});
+              return ring % 2 == 0 || y == h - 1 - x / 2 ? kNear : kNone;
+            }),
   };
   const cv::Mat1b path = spiral(size);
   for (const auto& [flip_x, flip_y] :
        {std::pair(false, false), std::pair(true, false), std::pair(false, true)}) {
     for (const int wall : {kNone, kFar}) {
-      images.push_back(painted(size, [&, flip_x = flip_x, flip_y = flip_y, wall](int x, int y) {
+      images.push_back(paint(size, [&, flip_x = flip_x, flip_y = flip_y, wall](int x, int y) {
         return path(flip_y ? h - 1 - y : y, flip_x ? w - 1 - x : x) != 0 ? kNear : wall;
       }));
     }
@@ -163,8 +167,9 @@ std::vector<cv::Mat1w> shapes(cv::Size size) {
   return images;
 }
 
-/// Arches that do not cross, drawn at random, above rows of joined legs at random.
-cv::Mat1w arches(cv::Size size, unsigned seed) {
+/// Returns random nested arches that do not cross, above rows that join some of their legs at
+/// random.
+cv::Mat1w random_arches(cv::Size size, unsigned seed) {
   std::mt19937 random(seed);
   const auto below = [&](int n) { return std::uniform_int_distribution<>(0, n - 1)(random); };
   const int legs = (size.width + 1) / 2;
@@ -203,7 +208,7 @@ TYPED_TEST_SUITE(RtlSpeckle, Models);
 constexpr int kSizes[] = {1, 2, 10, 100, 400, 1000};
 constexpr int kRanges[] = {0, 1, 31};
 
-TYPED_TEST(RtlSpeckle, NoiseOfManySizes) {
+TYPED_TEST(RtlSpeckle, EqualsSoftwareOnNoiseOfManyImageSizes) {
   unsigned seed = 0;
   for (const int width : {16, 17, 33, 64, 100}) {
     for (const int height : {1, 2, 5, 24, 25, 26, 60}) {
@@ -212,94 +217,97 @@ TYPED_TEST(RtlSpeckle, NoiseOfManySizes) {
       Raster raster;
       raster.seed = ++seed;
       raster.bubble_rows = {height < 12 ? 12 : 0};
-      compare<TypeParam>(noises({width, height}, 100 * seed),
-                         speckles(kSizes[seed % 6], kRanges[seed % 3]), raster);
+      compare<TypeParam>(noise_images({width, height}, 100 * seed),
+                         speckle_parameters(kSizes[seed % 6], kRanges[seed % 3]), raster);
     }
   }
 }
 
-TYPED_TEST(RtlSpeckle, NoiseWithEverySizeAndRange) {
+TYPED_TEST(RtlSpeckle, EqualsSoftwareAtManySpeckleSizesAndRanges) {
   for (const int size : {0, 1, 2, 10, 100, 400, 1000}) {
     for (const int range : kRanges) {
-      compare<TypeParam>(noises({23, 29}, size + range), speckles(size, range), {});
+      compare<TypeParam>(noise_images({23, 29}, size + range), speckle_parameters(size, range), {});
     }
   }
 }
 
-TYPED_TEST(RtlSpeckle, Shapes) {
+TYPED_TEST(RtlSpeckle, EqualsSoftwareOnShapes) {
   for (const cv::Size size : {cv::Size(16, 31), cv::Size(17, 60), cv::Size(33, 26),
                               cv::Size(64, 40), cv::Size(100, 60)}) {
     SCOPED_TRACE(::testing::Message() << size);
-    for (const int pixels : {2, 40, 400}) compare<TypeParam>(shapes(size), speckles(pixels, 1), {});
+    for (const int pixels : {2, 40, 400})
+      compare<TypeParam>(shape_images(size), speckle_parameters(pixels, 1), {});
   }
-  compare<TypeParam>(shapes({31, 47}), speckles(1000, 31), {});
-  compare<TypeParam>(shapes({18, 3}), speckles(20, 0), {});
+  compare<TypeParam>(shape_images({31, 47}), speckle_parameters(1000, 31), {});
+  compare<TypeParam>(shape_images({18, 3}), speckle_parameters(20, 0), {});
 }
 
-TYPED_TEST(RtlSpeckle, Arches) {
+TYPED_TEST(RtlSpeckle, EqualsSoftwareOnArches) {
   for (const int width : {16, 35, 100}) {
     SCOPED_TRACE(width);
     for (const int pixels : {30, 200}) {
       std::vector<cv::Mat1w> images;
-      for (unsigned seed = 0; seed < 30; ++seed) images.push_back(arches({width, 28}, seed));
-      compare<TypeParam>(images, speckles(pixels, 1), {});
+      for (unsigned seed = 0; seed < 30; ++seed) images.push_back(random_arches({width, 28}, seed));
+      compare<TypeParam>(images, speckle_parameters(pixels, 1), {});
     }
   }
 }
 
-TYPED_TEST(RtlSpeckle, StallsAndBubbleRows) {
+TYPED_TEST(RtlSpeckle, EqualsSoftwareWithStallsAndBubbleRows) {
   Raster raster;
   raster.bubble_rows = {2, 1, 0, 3, 40, 0, 24, 25, 26, 0};
-  raster.stalled = 0.4;
-  compare<TypeParam>(noises({19, 28}, 3), speckles(30, 1), raster);
+  raster.stall_chance = 0.4;
+  compare<TypeParam>(noise_images({19, 28}, 3), speckle_parameters(30, 1), raster);
 }
 
-TYPED_TEST(RtlSpeckle, TinyFramesBackToBack) {
+TYPED_TEST(RtlSpeckle, EqualsSoftwareOnTinyFramesBackToBack) {
   for (const int height : {1, 2, 5, 11}) {
     Raster raster;
-    raster.stalled = 0.1;
+    raster.stall_chance = 0.1;
     std::vector<cv::Mat1w> images;
     for (const int pixels : {3, 16, 40}) {
-      images = shapes({16, height});
-      const std::vector<cv::Mat1w> more = noises({16, height}, height);
+      images = shape_images({16, height});
+      const std::vector<cv::Mat1w> more = noise_images({16, height}, height);
       images.insert(images.end(), more.begin(), more.end());
-      compare<TypeParam>(images, speckles(pixels, 1), raster);
+      compare<TypeParam>(images, speckle_parameters(pixels, 1), raster);
     }
   }
 }
 
-TYPED_TEST(RtlSpeckle, ResetInTheMiddleOfAFrame) {
-  const std::vector<cv::Mat1w> images = {noise({20, 45}, 0, 0, 0.41, 1), arches({20, 45}, 2),
+TYPED_TEST(RtlSpeckle, RecoversFromAResetInTheMiddleOfAFrame) {
+  const std::vector<cv::Mat1w> images = {noise({20, 45}, 0, 0, 0.41, 1), random_arches({20, 45}, 2),
                                          noise({20, 45}, 1, 100, 0.1, 3)};
   for (const int after : {7, 20 * 21 + 7, 20 * 44 + 19, 20 * 45, 20 * 60 + 3, 20 * 89 + 11}) {
     SCOPED_TRACE(after);
     Raster raster;
     raster.reset_after_ticks = after;
-    compare<TypeParam>(images, speckles(60, 1), raster);
+    compare<TypeParam>(images, speckle_parameters(60, 1), raster);
   }
 }
 
-TYPED_TEST(RtlSpeckle, Latency) {
+TYPED_TEST(RtlSpeckle, HasTheDocumentedLatency) {
   for (const int width : {16, 31, 100}) {
     for (const int pixels : {0, 50}) {
-      EXPECT_EQ(compare<TypeParam>({noise({width, 9}, 1, 100, 0.3, 5)}, speckles(pixels, 1), {})
-                    .latency_ticks,
-                29 * width + 33);
+      EXPECT_EQ(
+          compare<TypeParam>({noise({width, 9}, 1, 100, 0.3, 5)}, speckle_parameters(pixels, 1), {})
+              .latency_ticks,
+          29 * width + 33);
     }
   }
 }
 
-// The full width: every pixel of a row a region that lives on, and the stack as deep as it gets.
+// At full width, every pixel of a row belongs to its own open region, and the stack reaches its
+// maximum depth.
 template <class Model>
 void full_width(int width) {
-  compare<Model>({painted({width, 30}, [](int x, int) { return x % 2 == 0 ? kNear : kFar; }),
+  compare<Model>({paint({width, 30}, [](int x, int) { return x % 2 == 0 ? kNear : kFar; }),
                   noise({width, 30}, 0, 0, 0.4, 1)},
-                 speckles(27, 1), {});
-  compare<Model>({painted({width, width / 2 + 2},
-                          [&](int x, int y) {
-                            return std::min({x, width - 1 - x, y}) % 2 == 0 ? kNear : kFar;
-                          })},
-                 speckles(1000, 1), {});
+                 speckle_parameters(27, 1), {});
+  compare<Model>({paint({width, width / 2 + 2},
+                        [&](int x, int y) {
+                          return std::min({x, width - 1 - x, y}) % 2 == 0 ? kNear : kFar;
+                        })},
+                 speckle_parameters(1000, 1), {});
 }
 TEST(RtlSpeckleFullWidth, Vga) { full_width<SpeckleVga>(640); }
 TEST(RtlSpeckleFullWidth, Small) { full_width<SpeckleSmall>(100); }

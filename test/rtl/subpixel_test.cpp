@@ -1,4 +1,4 @@
-// fs_subpixel against subpixel().
+// Compares fs_subpixel with subpixel().
 #include <gtest/gtest.h>
 
 #include <array>
@@ -31,20 +31,20 @@ struct Input {
   cv::Mat1b kept;
 };
 
-/// Runs the frames through the model and compares the disparities.
+/// Sends the frames through the model and compares the disparities.
 template <class Model>
-RasterResult compare(const std::vector<Input>& frames, Raster raster, bool switched_on = true) {
+RasterResult compare(const std::vector<Input>& frames, Raster raster, bool is_enabled = true) {
   constexpr int index_bits = kBuild<Model>.index_bits, sum_bits = kBuild<Model>.sum_bits;
   Parameters p;
   p.disparity_range = kBuild<Model>.range;
-  p.subpixel = switched_on;
+  p.subpixel = is_enabled;
   raster.width = frames[0].kept.cols;
   raster.height = frames[0].kept.rows;
   std::vector<cv::Mat1w> actual;
   for (const Input& in : frames) actual.emplace_back(in.kept.size(), std::uint16_t{0});
 
   Model model;
-  model.subpixel_i = switched_on;
+  model.subpixel_i = is_enabled;
   const RasterResult result = run_raster(
       model, raster, static_cast<int>(frames.size()),
       [&](int frame, int x, int y) {
@@ -74,9 +74,10 @@ template <class Model>
 class RtlSubpixel : public ::testing::Test {
  protected:
   static constexpr int kRange = kBuild<Model>.range;
-  static constexpr int kLargest = (1 << kBuild<Model>.sum_bits) - 1;
+  static constexpr int kMaxSum = (1 << kBuild<Model>.sum_bits) - 1;
 
-  /// The five sums of pixel n are sums(n); `kept`: all pixels, and all refined.
+  /// The five sums of pixel n are sums(n). With `kept`, all pixels are kept and can be refined;
+  /// otherwise some are not kept and some winners are too close to the ends of the search range.
   template <class Sums>
   static Input frame(cv::Size size, unsigned seed, const Sums& sums, bool kept = true) {
     std::mt19937 random(seed);
@@ -89,7 +90,6 @@ class RtlSubpixel : public ::testing::Test {
         for (int k = 0; k < 5; ++k) {
           in.selection.around(y, x)[k] = static_cast<std::uint16_t>(c[k]);
         }
-        // Refined ones, else also those at the ends, not kept ones.
         const auto any = static_cast<int>(random() % 1024);
         const int d = kept ? 2 + any % (kRange - 4) : (kRange - 4 + any % 8) % kRange;
         in.selection.winner(y, x) = static_cast<std::uint8_t>(d);
@@ -99,16 +99,16 @@ class RtlSubpixel : public ::testing::Test {
     return in;
   }
 
-  /// Random sums from `least` to `most`.
-  static Input random(cv::Size size, unsigned seed, int least = 0, int most = kLargest,
-                      bool kept = true) {
+  /// Random sums from `min` to `max`.
+  static Input random_input(cv::Size size, unsigned seed, int min = 0, int max = kMaxSum,
+                            bool kept = true) {
     std::mt19937 random(seed + 1000);
     return frame(
         size, seed,
         [&](int) {
           std::array<int, 5> c;
           for (int& sum : c) {
-            sum = least + static_cast<int>(random() % static_cast<unsigned>(most - least + 1));
+            sum = min + static_cast<int>(random() % static_cast<unsigned>(max - min + 1));
           }
           return c;
         },
@@ -118,46 +118,48 @@ class RtlSubpixel : public ::testing::Test {
 using Models = ::testing::Types<Subpixel16, Subpixel64, Subpixel128>;
 TYPED_TEST_SUITE(RtlSubpixel, Models);
 
-TYPED_TEST(RtlSubpixel, RandomSumsBackToBack) {
+TYPED_TEST(RtlSubpixel, EqualsSoftwareOnRandomSumsBackToBack) {
   for (const int width : {16, 17, 100}) {
     Raster raster;
     raster.seed = width;
     const cv::Size size(width, width < 32 ? 30 : 200);
-    compare<TypeParam>({this->random(size, 1), this->random(size, 2, 0, 3),
-                        this->random(size, 3, 0, 40), this->random(size, 4, 900, 1000),
-                        this->random(size, 5, this->kLargest - 9), this->random(size, 6)},
-                       raster);
+    compare<TypeParam>(
+        {this->random_input(size, 1), this->random_input(size, 2, 0, 3),
+         this->random_input(size, 3, 0, 40), this->random_input(size, 4, 900, 1000),
+         this->random_input(size, 5, this->kMaxSum - 9), this->random_input(size, 6)},
+        raster);
   }
 }
 
-TYPED_TEST(RtlSubpixel, NotKeptAndNotRefined) {
-  const Input in = this->random({200, 50}, 1, 0, this->kLargest, false);
+TYPED_TEST(RtlSubpixel, EqualsSoftwareOnUnrefinedPixels) {
+  const Input in = this->random_input({200, 50}, 1, 0, this->kMaxSum, false);
   compare<TypeParam>({in}, {});
   compare<TypeParam>({in}, {}, false);
 }
 
-// Every combination of small sums: all small numerators and denominators, every tie of rounding.
-// Then the same in large, and next to that.
-TYPED_TEST(RtlSubpixel, AllSmallSumsAndTheirMultiples) {
+// Every combination of small sums gives all small numerators and denominators and every rounding
+// tie. The same combinations follow scaled up, and scaled up with a random 0 or 1 added to each
+// sum.
+TYPED_TEST(RtlSubpixel, EqualsSoftwareOnAllSmallSumsAndTheirMultiples) {
   std::mt19937 random(1);
-  const auto sums = [&](int n, int scale, int more) {
+  const auto sums = [&](int n, int scale, int max_noise) {
     std::array<int, 5> c;
     for (int& sum : c) {
-      sum = n % 8 * scale + static_cast<int>(random() % static_cast<unsigned>(more + 1));
+      sum = n % 8 * scale + static_cast<int>(random() % static_cast<unsigned>(max_noise + 1));
       n /= 8;
     }
     return c;
   };
-  const int scale = this->kLargest / 8;
+  const int scale = this->kMaxSum / 8;
   compare<TypeParam>({this->frame({256, 128}, 1, [&](int n) { return sums(n, 1, 0); }),
                       this->frame({256, 128}, 2, [&](int n) { return sums(n, scale, 0); }),
                       this->frame({256, 128}, 3, [&](int n) { return sums(n, scale, 1); })},
                      {});
 }
 
-TYPED_TEST(RtlSubpixel, CombinationsOfExtremes) {
+TYPED_TEST(RtlSubpixel, EqualsSoftwareOnCombinationsOfExtremes) {
   const int values[] = {
-      0, 1, this->kLargest / 2, this->kLargest / 2 + 1, this->kLargest - 1, this->kLargest};
+      0, 1, this->kMaxSum / 2, this->kMaxSum / 2 + 1, this->kMaxSum - 1, this->kMaxSum};
   const auto sums = [&](int n) {
     std::array<int, 5> c;
     for (int& sum : c) {
@@ -169,15 +171,15 @@ TYPED_TEST(RtlSubpixel, CombinationsOfExtremes) {
   compare<TypeParam>({this->frame({216, 36}, 1, sums)}, {});
 }
 
-// Parabolas with their vertex anywhere within a pixel and a half, as sums have them.
-TYPED_TEST(RtlSubpixel, Parabolas) {
+// Noisy parabolas, as real window sums form them, with the vertex up to 1.5 px from the winner.
+TYPED_TEST(RtlSubpixel, EqualsSoftwareOnParabolas) {
   std::mt19937 random(7);
   std::uniform_real_distribution<> vertex(-1.5, 1.5), opening(0.01, 1), noise(0, 0.01);
   const auto sums = [&](int) {
     std::array<int, 5> c;
     const double at = vertex(random), open = opening(random);
     for (int k = -2; k <= 2; ++k) {
-      c[k + 2] = static_cast<int>(this->kLargest *
+      c[k + 2] = static_cast<int>(this->kMaxSum *
                                   (open * (k - at) * (k - at) / 12.5 + noise(random)) * 0.98);
     }
     return c;
@@ -185,26 +187,26 @@ TYPED_TEST(RtlSubpixel, Parabolas) {
   compare<TypeParam>({this->frame({300, 60}, 2, sums), this->frame({300, 60}, 3, sums)}, {});
 }
 
-TYPED_TEST(RtlSubpixel, StallsAndBubbleRows) {
+TYPED_TEST(RtlSubpixel, EqualsSoftwareWithStallsAndBubbleRows) {
   Raster raster;
   raster.bubble_rows = {2, 1, 0, 3, 30, 0};
-  raster.stalled = 0.4;
+  raster.stall_chance = 0.4;
   std::vector<Input> frames;
-  for (unsigned i = 0; i < 6; ++i) frames.push_back(this->random({25, 3}, i, 0, 500, false));
+  for (unsigned i = 0; i < 6; ++i) frames.push_back(this->random_input({25, 3}, i, 0, 500, false));
   compare<TypeParam>(frames, raster);
 }
 
-TYPED_TEST(RtlSubpixel, ResetInTheMiddleOfAFrame) {
+TYPED_TEST(RtlSubpixel, RecoversFromAResetInTheMiddleOfAFrame) {
   for (const int ticks : {5, 30 * 7 + 13, 30 * 14 + 5}) {
     Raster raster;
     raster.reset_after_ticks = ticks;
-    compare<TypeParam>({this->random({30, 7}, 1), this->random({30, 7}, 2)}, raster);
+    compare<TypeParam>({this->random_input({30, 7}, 1), this->random_input({30, 7}, 2)}, raster);
   }
 }
 
-TYPED_TEST(RtlSubpixel, Latency) {
+TYPED_TEST(RtlSubpixel, HasTheDocumentedLatency) {
   for (const int width : {16, 100}) {
-    EXPECT_EQ(compare<TypeParam>({this->random({width, 2}, 1)}, {}).latency_ticks, 11);
+    EXPECT_EQ(compare<TypeParam>({this->random_input({width, 2}, 1)}, {}).latency_ticks, 11);
   }
 }
 
