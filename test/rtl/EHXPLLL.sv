@@ -1,5 +1,5 @@
-// In the place of the ECP5's PLL: passes the clock.
-// Ports and parameters are the library's, most without a use here.
+// Simulation stand-in for the ECP5's PLL: passes the clock through.
+// Ports and parameters are those of the vendor's primitive; most are unused here.
 /* verilator lint_off UNUSEDSIGNAL */
 /* verilator lint_off UNUSEDPARAM */
 module EHXPLLL #(

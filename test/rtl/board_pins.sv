@@ -1,7 +1,7 @@
-// The board's top with its pins as ports that Verilator's users can set and read: what drives a
-// line that goes both ways is said apart, and lines have their pull-ups.
+// The board's top module with its pins as plain ports for a Verilated model: each bidirectional pin
+// has separate input, output and enable ports, and the two-wire buses have pull-ups.
 //
-// C++ twin  Ft245Chip (test/rtl/link/ft245_chip.hpp) takes the ports from rxf_ni to data_oe_o
+// C++ twin  Ft245Chip (test/rtl/link/ft245_chip.hpp) connects to the ports from rxf_ni to data_oe_o
 module board_pins #(
   parameter int PllFeedback = 12,
   parameter int PllDivide = 10,
@@ -29,7 +29,7 @@ module board_pins #(
   output logic       sensor_rst_no,
   output logic       scl_o,
   output logic [1:0] sda_o,      // {left, right}
-  input  logic [1:0] sda_low_i,  // the sensors pull
+  input  logic [1:0] sda_low_i,  // 1 = that sensor pulls SDA low
   input  logic [1:0] pixclk_i,
   input  logic [1:0] frame_valid_i,
   input  logic [1:0] line_valid_i,
@@ -41,7 +41,7 @@ module board_pins #(
   pullup (scl);
   pullup (left_sda);
   pullup (right_sda);
-  // The chip drives while OE# is low.
+  // The FT232H drives the data bus while OE# is low.
   assign ft_d = oe_no ? 8'bz : data_i;
   assign data_o = ft_d;
   assign be_o = 1'b1;

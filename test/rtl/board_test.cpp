@@ -1,5 +1,5 @@
-// The top of fpga_fw/boards/ulx3s_85f, small, between the chips that its pins lead to: sensors, the
-// FT232H, a serial line.
+// The top module of fpga_fw/boards/ulx3s_85f with small build parameters, connected to models of
+// the chips at its pins: two sensors, the FT232H and a serial line.
 #include "Board.h"
 
 #include <gtest/gtest.h>
@@ -30,18 +30,19 @@ using link::PacketType;
 using link::Request;
 using link::Stream;
 
-constexpr int kWidth = 64, kHeight = 48, kFar = 6, kNear = 12;
+constexpr int kWidth = 64, kHeight = 48, kFarDisparity = 6, kNearDisparity = 12;
 constexpr int kSensorWidth = 72, kSensorHeight = 52;
-constexpr int kLeft = 1, kRight = 0;     // in the vectors of ports
+constexpr int kLeft = 1, kRight = 0;     // bit in vectors of ports
 constexpr int kBitClocks = 32;           // of the serial line
-constexpr std::uint8_t kAddress = 0x48;  // of the sensors
+constexpr std::uint8_t kAddress = 0x48;  // of the sensors on the two-wire bus
 constexpr std::uint32_t kDisparityStream = 1U << 1;
 
-/// The registers of the sensors, as fs_mt9v034 has them.
+/// The sensor registers and values that fs_mt9v034 writes.
 const std::vector<std::pair<int, int>> kSensorTable = {
     {0x07, 0x0388}, {0x01, 1},  {0x02, 4},      {0x03, 480}, {0x04, 752},
     {0x05, 835},    {0x06, 45}, {0x0D, 0x0300}, {0x0B, 236}, {0xAF, 0x0002}};
 
+/// The board between its chips, and a host at the other end of the link.
 class BoardRig {
  public:
   explicit BoardRig(int switches = 0) : usb(board, 1) {
@@ -60,64 +61,68 @@ class BoardRig {
   void run(int clocks) {
     for (; clocks > 0 && !testing::Test::HasFatalFailure(); --clocks) clock();
   }
+  /// Runs until `done`; throws after `max_clocks`.
   void run_until(const std::function<bool()>& done, int max_clocks = 400000) {
     for (; !done(); max_clocks -= 50) {
-      if (max_clocks < 0) throw std::runtime_error("nothing more comes");
+      if (max_clocks < 0) throw std::runtime_error("timeout while waiting for the board");
       run(50);
     }
   }
 
-  /// A request and its answer, by the line that the switch chooses.
-  link::Header ask(const Request& request) {
+  /// Sends a request over the line that the switch selects; returns the header of its answer.
+  link::Header request(const Request& message) {
     link::Header header;
-    header.type = request.type;
-    header.index = ++id_;
+    header.type = message.type;
+    header.index = ++request_id_;
     header.sequence = sequence_++;
     std::vector<std::uint8_t> bytes;
-    link::append_packet(header, request.payload.data(), request.payload.size(), bytes);
+    link::append_packet(header, message.payload.data(), message.payload.size(), bytes);
     for (const std::uint8_t byte : bytes) {
-      if (serial()) {
+      if (uses_serial_line()) {
         serial_out_.push_back(byte);
       } else {
         usb.give(byte);
       }
     }
-    answered_ = false;
-    run_until([&] { return answered_; });
-    EXPECT_EQ(answer_.index, id_);
+    has_answer_ = false;
+    run_until([&] { return has_answer_; });
+    EXPECT_EQ(answer_.index, request_id_);
     return answer_;
   }
   std::uint32_t read(std::uint32_t address) {
-    ask(link::read_request({address}));
+    request(link::read_request({address}));
     return values_.at(0).value;
   }
   void write(std::uint32_t address, std::uint32_t value) {
-    EXPECT_EQ(ask(link::write_request({{address, value}})).type, PacketType::kWritten);
+    EXPECT_EQ(request(link::write_request({{address, value}})).type, PacketType::kWritten);
   }
   link::Identity identity() {
-    ask(link::read_request(link::Identity::registers()));
+    request(link::read_request(link::Identity::registers()));
     return link::Identity::from_values(values_);
   }
-  void configure(const GatewareBuild& build) {
-    const auto made = make_gateware_configuration(build, parameters, rectification);
-    ASSERT_TRUE(made) << made.error().message;
+  /// Sends meshes and registers, applies them and waits until they take effect.
+  void apply_configuration(const GatewareBuild& build) {
+    const auto configuration = make_gateware_configuration(build, parameters, rectification);
+    ASSERT_TRUE(configuration) << configuration.error().message;
     for (const bool right : {false, true}) {
-      const auto& mesh = made->mesh[right ? 1 : 0];
+      const auto& mesh = configuration->mesh[right ? 1 : 0];
       ASSERT_LE(mesh.size(), link::kMaxNodes);
-      EXPECT_EQ(ask(link::mesh_request(right, mesh, 0, mesh.size())).type, PacketType::kWritten);
+      EXPECT_EQ(request(link::mesh_request(right, mesh, 0, mesh.size())).type,
+                PacketType::kWritten);
     }
-    EXPECT_EQ(ask(link::write_request(made->registers)).type, PacketType::kWritten);
+    EXPECT_EQ(request(link::write_request(configuration->registers)).type, PacketType::kWritten);
     const std::uint32_t before = read(spec::kRegConfiguration);
     write(spec::kRegControl, 1);
     run_until([&] { return read(spec::kRegConfiguration) == before + 1; });
   }
-  cv::Mat1w software(const cv::Mat1b& left, const cv::Mat1b& right) {
+  /// Returns the disparities of the reference pipeline.
+  cv::Mat1w run_reference(const cv::Mat1b& left, const cv::Mat1b& right) {
     return pipeline_.process(left, right, rectification, parameters, 1).disparity.clone();
   }
-  /// What came before a reset, and may have been cut.
-  void forget() { decoder_ = {}; }
+  /// Discards a packet that a reset may have cut short.
+  void discard_partial_packet() { decoder_ = {}; }
   std::int64_t clocks() const { return clocks_; }
-  /// Until one more frame has come.
+  /// Runs until one more frame has arrived.
   Assembled next_frame() {
     const std::size_t have = frames.size();
     run_until([&] { return frames.size() > have; });
@@ -133,12 +138,12 @@ class BoardRig {
   std::vector<Assembled> frames;
 
  private:
-  bool serial() const { return (board.sw_i & 2) != 0; }
+  bool uses_serial_line() const { return (board.sw_i & 2) != 0; }
 
-  /// A clock of the core; about five of the FT232H's, so that its line is faster than the pixels,
-  /// and a third of one of the sensors', each of which has a phase of its own.
+  /// Runs one clock of the core, five clocks of the FT232H, so that USB is faster than the pixels,
+  /// and a third of a sensor clock; each sensor has its own phase.
   void clock() {
-    serial_line();
+    run_serial_line();
     const bool sensor = ++clocks_ % 3 == 0;
     board.clk_i = 1;
     if (sensor) board.pixclk_i = 2;
@@ -148,7 +153,7 @@ class BoardRig {
     if (sensor) board.pixclk_i = 1;
     board.eval();
     board.pixclk_i = 0;
-    if (sensor) show_pixels();
+    if (sensor) drive_sensor_pins();
     for (int k = 0; k < 2; ++k) {
       if (!board.sensor_rst_no) registers[k].reset();
       if (registers[k].clock(board.scl_o, (board.sda_o >> k & 1) != 0)) {
@@ -169,7 +174,7 @@ class BoardRig {
     board.eval();
     usb.after_edge();
   }
-  void show_pixels() {
+  void drive_sensor_pins() {
     for (int k = 0; k < 2; ++k) {
       const SensorPort::Pins pins = sensors[k].next();
       const unsigned bit = 1U << k;
@@ -178,26 +183,27 @@ class BoardRig {
       board.data_pixels_i = (board.data_pixels_i & ~(0xFF << 8 * k)) | pins.data << 8 * k;
     }
   }
-  /// 8N1 both ways.
-  void serial_line() {
-    if (out_at_ == 0 && !serial_out_.empty()) {
+  /// Runs one clock of the serial line in both directions, 8N1.
+  void run_serial_line() {
+    if (out_clocks_left_ == 0 && !serial_out_.empty()) {
       out_bits_ = 0x200U | serial_out_.front() << 1;
       serial_out_.erase(serial_out_.begin());
-      out_at_ = 10 * kBitClocks;
+      out_clocks_left_ = 10 * kBitClocks;
     }
-    board.rxd_i =
-        out_at_ == 0 ? 1 : out_bits_ >> (10 - (out_at_ + kBitClocks - 1) / kBitClocks) & 1;
-    out_at_ -= out_at_ > 0 ? 1 : 0;
-    if (in_at_ < 0) {
-      if (!board.txd_o) in_at_ = 0, in_bits_ = 0;
+    board.rxd_i = out_clocks_left_ == 0
+                      ? 1
+                      : out_bits_ >> (10 - (out_clocks_left_ + kBitClocks - 1) / kBitClocks) & 1;
+    out_clocks_left_ -= out_clocks_left_ > 0 ? 1 : 0;
+    if (in_clock_ < 0) {
+      if (!board.txd_o) in_clock_ = 0, in_bits_ = 0;
       return;
     }
-    if (++in_at_ % kBitClocks != kBitClocks / 2) return;
-    in_bits_ |= static_cast<unsigned>(board.txd_o) << in_at_ / kBitClocks;
-    if (in_at_ / kBitClocks == 9) {
-      EXPECT_EQ(in_bits_ >> 9, 1U) << "a stop bit that is none";
+    if (++in_clock_ % kBitClocks != kBitClocks / 2) return;
+    in_bits_ |= static_cast<unsigned>(board.txd_o) << in_clock_ / kBitClocks;
+    if (in_clock_ / kBitClocks == 9) {
+      EXPECT_EQ(in_bits_ >> 9, 1U) << "stop bit is low";
       serial_in_.push_back(static_cast<std::uint8_t>(in_bits_ >> 1));
-      in_at_ = -1;
+      in_clock_ = -1;
     }
   }
   void receive() {
@@ -209,7 +215,7 @@ class BoardRig {
       if (packet->header.type == PacketType::kRegisters) values_ = *unpack_registers(*packet);
       if (packet->header.type == PacketType::kRegisters ||
           packet->header.type == PacketType::kWritten) {
-        answer_ = packet->header, answered_ = true;
+        answer_ = packet->header, has_answer_ = true;
       }
     }
   }
@@ -218,18 +224,18 @@ class BoardRig {
   link::FrameAssembler assembler_;
   ReferencePipeline pipeline_;
   std::uint32_t sequence_ = kLinkFirstSequence;
-  std::uint16_t id_ = 7;
+  std::uint16_t request_id_ = 7;
   link::Header answer_;
   std::vector<RegisterWrite> values_;
-  bool answered_ = false;
+  bool has_answer_ = false;
   std::int64_t clocks_ = 0;
   std::vector<std::uint8_t> serial_out_, serial_in_;
-  int out_at_ = 0, in_at_ = -1;  // clocks
+  int out_clocks_left_ = 0, in_clock_ = -1;  // clocks
   unsigned out_bits_ = 0, in_bits_ = 0;
 };
 
-/// The pattern as its header defines it.
-std::pair<cv::Mat1b, cv::Mat1b> pattern() {
+/// Returns the test pattern as the header of test_pattern.sv defines it.
+std::pair<cv::Mat1b, cv::Mat1b> make_pattern() {
   std::uint32_t bits = 0x2C9F51B3;
   cv::Mat1b left(kHeight, kWidth), right(kHeight, kWidth);
   for (int k = 0; k < kWidth * kHeight; ++k) {
@@ -238,7 +244,7 @@ std::pair<cv::Mat1b, cv::Mat1b> pattern() {
     bits = ((bits << 8) | right(y, x)) & 0x7FFFFFFF;
     const bool middle =
         x >= kWidth / 4 && x < 3 * (kWidth / 4) && y >= kHeight / 4 && y < 3 * (kHeight / 4);
-    const int from = k - (middle ? kNear : kFar);
+    const int from = k - (middle ? kNearDisparity : kFarDisparity);
     left(y, x) = from < 0 ? 0 : right(from / kWidth, from % kWidth);
   }
   return {left, right};
@@ -252,16 +258,16 @@ void expect_build(const link::Identity& identity) {
   EXPECT_EQ(identity.clock_hz, 10000000U);
 }
 
-TEST(Board, CamerasToUsb) {
+TEST(Board, SendsCameraFramesOverUsb) {
   BoardRig rig;
   const link::Identity identity = rig.identity();
   expect_build(identity);
-  rig.configure(identity.build);
+  rig.apply_configuration(identity.build);
   rig.write(spec::kRegStreams, kDisparityStream);
   std::mt19937 random(3);
   for (int i = 0; i < 3; ++i) {
     SCOPED_TRACE(i);
-    // The right image is the left one, moved; the window is the middle of the sensors' images.
+    // The right image is the left one shifted by 5 px; the board uses the middle of both.
     cv::Mat1b left(kSensorHeight, kSensorWidth), right(kSensorHeight, kSensorWidth);
     for (auto& pixel : left) pixel = static_cast<std::uint8_t>(random());
     for (int x = 0; x < kSensorWidth; ++x) left.col((x + 5) % kSensorWidth).copyTo(right.col(x));
@@ -272,7 +278,7 @@ TEST(Board, CamerasToUsb) {
     ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
     const cv::Rect window((kSensorWidth - kWidth) / 2, (kSensorHeight - kHeight) / 2, kWidth,
                           kHeight);
-    const cv::Mat1w expected = rig.software(left(window).clone(), right(window).clone());
+    const cv::Mat1w expected = rig.run_reference(left(window).clone(), right(window).clone());
     EXPECT_TRUE(same("disparity", expected, cv::Mat1w(frame.image)));
     EXPECT_GT(cv::countNonZero(expected == 5 * kDisparityScale), kWidth * kHeight / 2);
   }
@@ -282,10 +288,10 @@ TEST(Board, CamerasToUsb) {
   rig.run_until([&] { return rig.registers[0].writes.size() == kSensorTable.size(); });
   rig.run(1000);
   for (const auto& sensor : rig.registers) EXPECT_EQ(sensor.writes, kSensorTable);
-  // LEDs: no trouble, both sensors answer, the chip's clock runs, bytes both ways.
+  // LEDs: no errors, both sensors answer, the USB clock runs, bytes flow both ways.
   EXPECT_EQ(rig.board.led_o & 0xBE, 0x3E);
   EXPECT_EQ(rig.board.wifi_en_o, 0);
-  // A line is missing: no frame is called good, and the board says so.
+  // A line is missing: the frame is flagged as cut and the error LED lights.
   const cv::Mat1b black(kSensorHeight, kSensorWidth, std::uint8_t{0});
   rig.sensors[kLeft].frame(black.rowRange(1, kSensorHeight), {5, 20, 2000});
   rig.sensors[kRight].frame(black, {5, 20, 2000});
@@ -305,16 +311,16 @@ TEST(Board, CamerasToUsb) {
   EXPECT_EQ(rig.board.led_o, 0);
 }
 
-TEST(Board, PatternToUsbAndReset) {
+TEST(Board, SendsThePatternOverUsbAndResets) {
   BoardRig rig(1);
   const link::Identity identity = rig.identity();
-  rig.configure(identity.build);
+  rig.apply_configuration(identity.build);
   rig.write(spec::kRegStreams, kDisparityStream);
-  const auto [left, right] = pattern();
-  const cv::Mat1w expected = rig.software(left, right);
-  // The pattern is one that has disparities.
-  EXPECT_GT(cv::countNonZero(expected == kDisparityScale * kNear), kWidth * kHeight / 16);
-  EXPECT_GT(cv::countNonZero(expected == kDisparityScale * kFar), kWidth * kHeight / 16);
+  const auto [left, right] = make_pattern();
+  const cv::Mat1w expected = rig.run_reference(left, right);
+  // Both disparities of the pattern must appear.
+  EXPECT_GT(cv::countNonZero(expected == kDisparityScale * kNearDisparity), kWidth * kHeight / 16);
+  EXPECT_GT(cv::countNonZero(expected == kDisparityScale * kFarDisparity), kWidth * kHeight / 16);
   for (int i = 0; i < 3; ++i) {
     const Assembled frame = rig.next_frame();
     ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
@@ -324,23 +330,23 @@ TEST(Board, PatternToUsbAndReset) {
   rig.run(50);
   rig.board.btn_i = 1;
   rig.run(300);
-  rig.forget();
+  rig.discard_partial_packet();
   EXPECT_EQ(rig.read(spec::kRegStreams), 0U);
 }
 
-TEST(Board, TheSwitchChangesBetweenFrames) {
+TEST(Board, SwitchesInputBetweenFrames) {
   BoardRig rig;
-  rig.configure(rig.identity().build);
+  rig.apply_configuration(rig.identity().build);
   rig.write(spec::kRegStreams, kDisparityStream);
   const cv::Mat1b black(kSensorHeight, kSensorWidth, std::uint8_t{0});
   const auto send = [&] {
     for (auto& sensor : rig.sensors) sensor.frame(black, {5, 20, 2000});
   };
-  const cv::Mat1w dark = rig.software(cv::Mat1b(kHeight, kWidth, std::uint8_t{0}),
-                                      cv::Mat1b(kHeight, kWidth, std::uint8_t{0}));
-  const auto [left, right] = pattern();
-  const cv::Mat1w bright = rig.software(left, right);
-  // To the pattern: the frame of the cameras is cut, all of the pattern's are whole.
+  const cv::Mat1w dark = rig.run_reference(cv::Mat1b(kHeight, kWidth, std::uint8_t{0}),
+                                           cv::Mat1b(kHeight, kWidth, std::uint8_t{0}));
+  const auto [left, right] = make_pattern();
+  const cv::Mat1w bright = rig.run_reference(left, right);
+  // Switching to the pattern cuts the camera frame; all pattern frames are complete.
   send();
   rig.run(5000);
   rig.board.sw_i = 1;
@@ -350,7 +356,7 @@ TEST(Board, TheSwitchChangesBetweenFrames) {
     ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
     EXPECT_TRUE(same("disparity", bright, cv::Mat1w(frame.image)));
   }
-  // Back to the cameras, in the middle of one of the pattern's and of one of theirs.
+  // Switching back happens in the middle of a pattern frame and of a camera frame.
   send();
   rig.run(5000);
   rig.board.sw_i = 0;
@@ -368,11 +374,11 @@ TEST(Board, TheSwitchChangesBetweenFrames) {
   }
 }
 
-TEST(Board, ThePatternOverTheSerialLineHoldsNoSettingsUp) {
+TEST(Board, AppliesSettingsQuicklyWithThePatternOnTheSerialLine) {
   BoardRig rig(2);
-  // Two bytes and more for a pixel.
+  // Time that the serial line needs for one frame at two bytes per pixel.
   const std::int64_t line_clocks = std::int64_t{kWidth} * kHeight * 20 * kBitClocks;
-  // Two requests over this line take less than a tenth of that.
+  // Applying takes two requests, which need less than a tenth of that time.
   const auto apply = [&] {
     const std::uint32_t before = rig.read(spec::kRegConfiguration);
     const std::int64_t start = rig.clocks();
@@ -388,7 +394,7 @@ TEST(Board, ThePatternOverTheSerialLineHoldsNoSettingsUp) {
   apply();
   rig.write(spec::kRegStreams, kDisparityStream);
   rig.run(10000);
-  // A frame that somebody asked for is as slow as the line; not so once settings wait for its end.
+  // A frame with a stream enabled is as slow as the line, unless settings wait for its end.
   const std::uint32_t frames = rig.read(spec::kRegFramesIn);
   rig.run(20000);
   EXPECT_EQ(rig.read(spec::kRegFramesIn), frames);
@@ -397,12 +403,12 @@ TEST(Board, ThePatternOverTheSerialLineHoldsNoSettingsUp) {
   EXPECT_GT(rig.read(spec::kRegFramesIn), frames);
 }
 
-TEST(Board, RegistersOverTheSerialLine) {
+TEST(Board, AccessesRegistersOverTheSerialLine) {
   BoardRig rig(2);
   expect_build(rig.identity());
   rig.write(spec::kRegUniqueness, 500);
   EXPECT_EQ(rig.read(spec::kRegUniqueness), 500U);
-  // And by USB again, with nothing lost but the line.
+  // Over USB the registers have kept their values.
   rig.board.sw_i = 0;
   rig.run(300);
   EXPECT_EQ(rig.read(spec::kRegUniqueness), 500U);

@@ -1,5 +1,5 @@
-// Two sensors and the pipeline's input, so that a test sees what becomes of a frame that is cut:
-// fs_cameras -> fs_input. A frame has left the pipeline as soon as it has begun.
+// Connects fs_cameras to fs_input, so that a test sees what the pipeline receives for a cut frame.
+// frame_out_i follows frame_in_o by one clock: each frame counts as out as soon as it has begun.
 module camera_raster #(
   parameter int SensorWidth = 32,
   parameter int SensorHeight = 48

@@ -1,4 +1,4 @@
-// The small modules of the link, one by one.
+// Unit tests of the link's small modules.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -16,12 +16,13 @@
 namespace fpga_stereo::test {
 namespace {
 
-constexpr std::uint32_t kStart = 0xFFFFFFFF;
+constexpr std::uint32_t kCrcStart = 0xFFFFFFFF;
 
+/// Returns the CRC register after these bytes and, in `residue`, whether they end with their CRC.
 template <class Model>
 std::uint32_t register_after(const std::vector<std::uint8_t>& bytes, bool* residue = nullptr) {
   Model model;
-  model.crc_i = kStart;
+  model.crc_i = kCrcStart;
   constexpr std::size_t kStep = sizeof(model.data_i);
   for (std::size_t at = 0; at < bytes.size(); at += kStep) {
     model.data_i = kStep == 4 ? link::get_u32(&bytes[at]) : bytes[at];
@@ -33,7 +34,7 @@ std::uint32_t register_after(const std::vector<std::uint8_t>& bytes, bool* resid
   return model.crc_i;
 }
 
-TEST(RtlCrc32c, IsThatOfTheHost) {
+TEST(RtlCrc32c, EqualsTheHostsCrc) {
   std::mt19937 random(1);
   for (std::size_t size = 0; size < 200; size += 4) {
     std::vector<std::uint8_t> bytes(size);
@@ -62,7 +63,7 @@ void clock(Model& model) {
   model.eval();
 }
 
-TEST(RtlTime, CountsMicrosecondsWithoutLosingAPart) {
+TEST(RtlTime, CountsMicrosecondsWithoutDrift) {
   Time time;
   time.rst_ni = 0;
   clock(time);
@@ -72,13 +73,13 @@ TEST(RtlTime, CountsMicrosecondsWithoutLosingAPart) {
   for (std::uint64_t clocks = 1; clocks <= 200000; ++clocks) {
     clock(time);
     ms += time.ms_o;
-    // A clock late.
+    // us_o lags by one clock.
     ASSERT_EQ(time.us_o, (clocks - 1) * kMicro / kClockHz) << clocks;
     ASSERT_EQ(ms, time.us_o / 1000);
   }
 }
 
-/// Milliseconds of one clock each; what is sent is taken at once.
+/// fs_heartbeat with one clock per millisecond and an output that is always ready.
 struct HeartbeatRig {
   HeartbeatRig() {
     model.rst_ni = 0;
@@ -87,7 +88,7 @@ struct HeartbeatRig {
     model.ms_i = 1;
     model.ready_i = 1;
   }
-  void hear() {
+  void receive_packet() {
     model.intact_i = 1;
     run(1);
     model.intact_i = 0;
@@ -102,18 +103,18 @@ struct HeartbeatRig {
   int packets = 0;
 };
 
-TEST(RtlHeartbeat, WhileThereIsAHost) {
+TEST(RtlHeartbeat, SendsOnlyWhileAHostIsHeard) {
   HeartbeatRig rig;
   rig.run(2 * kHeartbeatMs);
   EXPECT_FALSE(rig.model.alive_o);
-  EXPECT_EQ(rig.packets, 0) << "nobody has been heard";
-  rig.hear();
+  EXPECT_EQ(rig.packets, 0) << "no host has been heard";
+  rig.receive_packet();
   rig.run(10);
   EXPECT_EQ(rig.packets, 1);
   rig.run(kHostTimeoutMs - 15);
   EXPECT_TRUE(rig.model.alive_o);
   EXPECT_EQ(rig.packets, kHostTimeoutMs / kHeartbeatMs);
-  rig.hear();
+  rig.receive_packet();
   rig.run(kHostTimeoutMs - 5);
   EXPECT_TRUE(rig.model.alive_o);
   EXPECT_EQ(rig.packets, 2 * kHostTimeoutMs / kHeartbeatMs);
@@ -122,13 +123,13 @@ TEST(RtlHeartbeat, WhileThereIsAHost) {
   const int before = rig.packets;
   rig.run(4 * kHeartbeatMs);
   EXPECT_EQ(rig.packets, before);
-  rig.hear();
+  rig.receive_packet();
   rig.run(10);
   EXPECT_TRUE(rig.model.alive_o);
   EXPECT_EQ(rig.packets, before + 1);
 }
 
-/// Frames of the cameras of 4 lines with 3 pixels each, and what is passed on.
+/// fs_input_select with camera frames of 4 lines by 3 pixels.
 class SelectRig {
  public:
   SelectRig() {
@@ -138,8 +139,8 @@ class SelectRig {
     model_.height_i = kLines;
     model_.ready_i = 1;
   }
-  /// Offers pixel `at` of the cameras' stream; true if a pixel was passed on.
-  bool camera(int at) {
+  /// Offers pixel `at` of the camera stream; returns whether it was passed on.
+  bool offer_camera_pixel(int at) {
     constexpr int kWidth = 3;
     at %= kWidth * kLines;
     model_.camera_i = (at == 0 ? 1 << 17 : 0) | (at % kWidth == kWidth - 1 ? 1 << 16 : 0) | at;
@@ -155,8 +156,8 @@ class SelectRig {
     clock(model_);
     model_.frame_in_i = 0;
   }
-  void ms(int count) {
-    for (; count > 0; --count) {
+  void run_ms(int ms) {
+    for (; ms > 0; --ms) {
       model_.ms_i = 1;
       step();
       model_.ms_i = 0;
@@ -169,16 +170,16 @@ class SelectRig {
   InputSelect model_;
 };
 
-TEST(RtlInputSelect, ChangesBetweenFrames) {
+TEST(RtlInputSelect, SwitchesBetweenFrames) {
   SelectRig rig;
-  // From a frame's first pixel on.
-  for (int at = 5; at < SelectRig::kFrame; ++at) EXPECT_FALSE(rig.camera(at));
-  for (int at = 0; at < 7; ++at) EXPECT_TRUE(rig.camera(at));
+  // Camera pixels pass from the first pixel of a frame on.
+  for (int at = 5; at < SelectRig::kFrame; ++at) EXPECT_FALSE(rig.offer_camera_pixel(at));
+  for (int at = 0; at < 7; ++at) EXPECT_TRUE(rig.offer_camera_pixel(at));
   rig.model().host_i = 1;
-  for (int at = 7; at < SelectRig::kFrame; ++at) EXPECT_TRUE(rig.camera(at));
-  // The frame has not begun in the pipeline: its tags would be those of the host.
+  for (int at = 7; at < SelectRig::kFrame; ++at) EXPECT_TRUE(rig.offer_camera_pixel(at));
+  // The camera frame has not begun in the pipeline: a switch now would give it the host's tags.
   for (int at = 0; at < SelectRig::kFrame; ++at) {
-    EXPECT_FALSE(rig.camera(at));
+    EXPECT_FALSE(rig.offer_camera_pixel(at));
     EXPECT_FALSE(rig.model().host_o);
   }
   rig.model().frame_in_i = 1;
@@ -193,32 +194,32 @@ TEST(RtlInputSelect, ChangesBetweenFrames) {
   EXPECT_EQ(rig.model().data_o, 1U << 17 | 77U);
   rig.step();
   rig.model().input_valid_i = 0;
-  // Back: not while a frame of the host is open, or has not begun.
+  // No switch back while a frame of the host is open or has not begun in the pipeline.
   rig.model().host_i = 0;
-  for (int at = 0; at < 5; ++at) EXPECT_FALSE(rig.camera(at));
+  for (int at = 0; at < 5; ++at) EXPECT_FALSE(rig.offer_camera_pixel(at));
   rig.model().open_i = 0;
-  for (int at = 5; at < 8; ++at) EXPECT_FALSE(rig.camera(at));
+  for (int at = 5; at < 8; ++at) EXPECT_FALSE(rig.offer_camera_pixel(at));
   EXPECT_TRUE(rig.model().held_o);
   rig.model().frame_in_i = 1;
   rig.step();
   rig.step();
   EXPECT_FALSE(rig.model().host_o);
-  for (int at = 8; at < SelectRig::kFrame; ++at) EXPECT_FALSE(rig.camera(at));
-  for (int at = 0; at < SelectRig::kFrame; ++at) EXPECT_TRUE(rig.camera(at));
+  for (int at = 8; at < SelectRig::kFrame; ++at) EXPECT_FALSE(rig.offer_camera_pixel(at));
+  for (int at = 0; at < SelectRig::kFrame; ++at) EXPECT_TRUE(rig.offer_camera_pixel(at));
 }
 
-TEST(RtlInputSelect, SilentCamerasDoNotHoldTheHost) {
+TEST(RtlInputSelect, SwitchesToTheHostWhenCamerasAreSilent) {
   SelectRig rig;
-  for (int at = 0; at < 7; ++at) EXPECT_TRUE(rig.camera(at));
+  for (int at = 0; at < 7; ++at) EXPECT_TRUE(rig.offer_camera_pixel(at));
   rig.model().frame_in_i = 1;
   rig.step();
   rig.model().host_i = 1;
-  rig.ms(2);
+  rig.run_ms(2);
   EXPECT_FALSE(rig.model().host_o);
-  EXPECT_TRUE(rig.camera(7));
-  rig.ms(2);
+  EXPECT_TRUE(rig.offer_camera_pixel(7));
+  rig.run_ms(2);
   EXPECT_FALSE(rig.model().host_o);
-  rig.ms(2);
+  rig.run_ms(2);
   rig.step();
   EXPECT_TRUE(rig.model().host_o);
 }

@@ -1,4 +1,4 @@
-// What every Verilated model needs once.
+// The time function that Verilator's runtime library expects once per program.
 #include <verilated.h>
 
 double sc_time_stamp() { return 0; }

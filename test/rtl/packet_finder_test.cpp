@@ -1,4 +1,5 @@
-// fs_packet_finder beside the host's Decoder: of any bytes, the same packets and the same counts.
+// Compares fs_packet_finder with the host's Decoder: both must find the same packets in any bytes
+// and count the same errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,20 +17,22 @@ using link::Header;
 
 constexpr int kSilenceMs = 100;
 
+/// fs_packet_finder with a source of bytes and a consumer that reads each packet to its end.
 class FinderRig {
  public:
-  explicit FinderRig(unsigned seed, double flowing = 1) : random_(seed), flowing_(flowing) {
+  explicit FinderRig(unsigned seed, double flow_chance = 1)
+      : random_(seed), flow_chance_(flow_chance) {
     model_.rst_ni = 0;
     clock();
     model_.rst_ni = 1;
   }
 
-  /// Gives bytes; lets the clock run until they are taken, and some more.
+  /// Sends bytes; runs the clock until the finder has accepted all of them.
   void push(const Bytes& bytes) {
     std::size_t at = 0;
     for (int waited = 0; at < bytes.size(); ++waited) {
       ASSERT_LT(waited, 40000);
-      model_.valid_i = flows();
+      model_.valid_i = is_flowing();
       model_.data_i = bytes[at];
       model_.eval();
       if (model_.valid_i != 0 && model_.ready_o != 0) {
@@ -40,42 +43,42 @@ class FinderRig {
     }
     model_.valid_i = 0;
   }
-  /// Nothing comes for longer than the line may be silent.
-  void silence() {
+  /// Lets the line be silent for longer than a packet may pause.
+  void pass_silence() {
     settle();
     model_.ms_i = 1;
     for (int ms = 0; ms <= kSilenceMs; ++ms) clock();
     model_.ms_i = 0;
     settle();
   }
-  /// Until nothing more is found in what has come.
+  /// Runs until the finder finds no more packets in the bytes received so far.
   void settle() {
-    constexpr std::size_t kMostPackets = 1000;  // of any test here
+    constexpr std::size_t kMaxPackets = 1000;  // in any test of this file
     for (int quiet = 0; quiet < 20000; ++quiet) {
       const std::size_t before = packets.size();
-      ASSERT_LT(before, kMostPackets) << "one is found again and again";
+      ASSERT_LT(before, kMaxPackets) << "the finder returns more packets than were sent";
       clock();
       if (packets.size() != before || model_.packet_o != 0) quiet = 0;
     }
   }
 
   std::vector<Bytes> packets;  // header and payload
-  std::uint64_t bad = 0, lost = 0, intact = 0;
+  std::uint64_t bad_packets = 0, lost_packets = 0, intact_packets = 0;
 
  private:
-  bool flows() { return flowing_ >= 1 || random_() % 1000 < flowing_ * 1000; }
+  bool is_flowing() { return flow_chance_ >= 1 || random_() % 1000 < flow_chance_ * 1000; }
 
   void clock() {
-    // The one that takes packets: of some not all, of some nothing.
+    // The consumer of packets, which stalls at random.
     model_.clk_i = 0;
     model_.done_i = 0;
-    model_.byte_ready_i = flows();
+    model_.byte_ready_i = is_flowing();
     model_.eval();
-    if (model_.packet_o != 0 && !open_) {
-      open_ = true;
+    if (model_.packet_o != 0 && !in_packet_) {
+      in_packet_ = true;
       payload_.clear();
     }
-    if (open_) {
+    if (in_packet_) {
       if (payload_.size() == model_.length_o) {
         model_.done_i = 1;
         model_.byte_ready_i = 0;
@@ -86,12 +89,12 @@ class FinderRig {
     }
     model_.clk_i = 1;
     model_.eval();
-    bad += model_.bad_o;
-    intact += model_.intact_o;
-    if (model_.lost_o != 0) lost += model_.lost_count_o;
+    bad_packets += model_.bad_o;
+    intact_packets += model_.intact_o;
+    if (model_.lost_o != 0) lost_packets += model_.lost_count_o;
   }
   void finish() {
-    open_ = false;
+    in_packet_ = false;
     Header header;
     header.version = model_.version_o;
     header.type = static_cast<link::PacketType>(model_.type_o);
@@ -108,12 +111,14 @@ class FinderRig {
 
   PacketFinder model_;
   std::mt19937 random_;
-  double flowing_;
-  bool open_ = false;
+  double flow_chance_;
+  bool in_packet_ = false;
   Bytes payload_;
 };
 
-void send(std::uint32_t sequence, std::size_t size, std::mt19937& random, Bytes& stream) {
+/// Appends a packet with random header fields and `size` random payload bytes to the stream.
+void append_random_packet(std::uint32_t sequence, std::size_t size, std::mt19937& random,
+                          Bytes& stream) {
   Header header;
   header.version = static_cast<std::uint8_t>(random());
   header.type = static_cast<link::PacketType>(random() % 256);
@@ -127,8 +132,8 @@ void send(std::uint32_t sequence, std::size_t size, std::mt19937& random, Bytes&
   link::append_packet(header, payload.data(), size, stream);
 }
 
-/// As the finder gives a packet: sequence and flags are not told.
-void take_out(Decoder& decoder, std::vector<Bytes>& out) {
+/// Takes all packets from the decoder, as FinderRig::packets has them: without sequence and flags.
+void take_packets(Decoder& decoder, std::vector<Bytes>& out) {
   while (const auto packet = decoder.next()) {
     Header header = packet->header;
     header.sequence = 0;
@@ -140,95 +145,96 @@ void take_out(Decoder& decoder, std::vector<Bytes>& out) {
   }
 }
 
-/// Both get the stream, and then silence, some times over.
-void expect_same(const Bytes& stream, unsigned seed, double flowing) {
+/// Sends the stream, then silence, to both; expects equal packets and counts.
+void expect_equal_results(const Bytes& stream, unsigned seed, double flow_chance) {
   Decoder decoder;
   std::vector<Bytes> expected;
   decoder.push(stream.data(), stream.size());
-  take_out(decoder, expected);
+  take_packets(decoder, expected);
   std::uint64_t before = 0;
   do {
     before = decoder.counters().skipped;
     decoder.give_up();
-    take_out(decoder, expected);
+    take_packets(decoder, expected);
   } while (decoder.counters().skipped != before);
-  FinderRig rig(seed, flowing);
+  FinderRig rig(seed, flow_chance);
   rig.push(stream);
-  // After silence all that waits is given up, one after the other.
-  rig.silence();
+  // The silence discards all partial packets, one after the other.
+  rig.pass_silence();
   ASSERT_EQ(rig.packets.size(), expected.size()) << seed;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     for (auto* bytes : {&expected[i], &rig.packets[i]}) link::put_u32(&(*bytes)[12], 0);
     ASSERT_TRUE(rig.packets[i] == expected[i]) << "packet " << i << ", seed " << seed;
   }
-  EXPECT_EQ(rig.bad, decoder.counters().bad_headers + decoder.counters().bad_payloads) << seed;
-  EXPECT_EQ(rig.lost, decoder.counters().lost) << seed;
-  EXPECT_EQ(rig.intact, decoder.counters().packets) << seed;
+  EXPECT_EQ(rig.bad_packets, decoder.counters().bad_headers + decoder.counters().bad_payloads)
+      << seed;
+  EXPECT_EQ(rig.lost_packets, decoder.counters().lost) << seed;
+  EXPECT_EQ(rig.intact_packets, decoder.counters().packets) << seed;
 }
 
-TEST(RtlPacketFinder, PacketsOfAllSizes) {
+TEST(RtlPacketFinder, FindsPacketsOfAllSizes) {
   std::mt19937 random(1);
-  for (const double flowing : {1.0, 0.6}) {
+  for (const double flow_chance : {1.0, 0.6}) {
     Bytes stream;
     for (std::uint32_t i = 0; i < 20; ++i) {
       const std::size_t size = i % 8 == 3 ? kLinkMaxHostPayloadBytes : random() % 300;
-      send(kLinkFirstSequence + i, size, random, stream);
+      append_random_packet(kLinkFirstSequence + i, size, random, stream);
     }
-    expect_same(stream, 1, flowing);
+    expect_equal_results(stream, 1, flow_chance);
   }
 }
 
-TEST(RtlPacketFinder, GapsAreCountedAcrossTheWrap) {
+TEST(RtlPacketFinder, CountsLostPacketsAcrossTheSequenceWrap) {
   std::mt19937 random(2);
   Bytes stream;
   for (const std::uint32_t sequence : {0xFFFFFFFEU, 0xFFFFFFFFU, 2U, 3U, 3U, 1U, 4U, 0x80000003U}) {
-    send(sequence, 8, random, stream);
+    append_random_packet(sequence, 8, random, stream);
   }
-  expect_same(stream, 1, 1);
+  expect_equal_results(stream, 1, 1);
 }
 
-TEST(RtlPacketFinder, LongerThanAHostMaySend) {
+TEST(RtlPacketFinder, RejectsPacketsLongerThanAHostMaySend) {
   Bytes stream;
   std::mt19937 random(3);
-  send(0, kLinkMaxHostPayloadBytes + 4, random, stream);
-  send(1, 4, random, stream);
+  append_random_packet(0, kLinkMaxHostPayloadBytes + 4, random, stream);
+  append_random_packet(1, 4, random, stream);
   FinderRig rig(1);
   rig.push(stream);
   rig.settle();
   EXPECT_EQ(rig.packets.size(), 1U);
-  EXPECT_EQ(rig.bad, 1U);
+  EXPECT_EQ(rig.bad_packets, 1U);
 }
 
-TEST(RtlPacketFinder, SilenceEndsWhatLooksLikeALongPacket) {
+TEST(RtlPacketFinder, SearchesAPartialPacketAgainAfterASilence) {
   std::mt19937 random(3);
   Header header;
   header.length = kLinkMaxHostPayloadBytes;
   const auto fake = link::pack(header);
   Bytes stream(fake.begin(), fake.end());
-  send(5, 20, random, stream);
+  append_random_packet(5, 20, random, stream);
   FinderRig rig(1);
   rig.push(stream);
   rig.settle();
-  EXPECT_TRUE(rig.packets.empty());  // it may still come
-  expect_same(stream, 1, 1);
+  EXPECT_TRUE(rig.packets.empty());  // the rest of the long packet may still arrive
+  expect_equal_results(stream, 1, 1);
 }
 
-TEST(RtlPacketFinder, AnyDamage) {
+TEST(RtlPacketFinder, EqualsTheDecoderOnDamagedStreams) {
   std::mt19937 random(4);
-  std::size_t whole = 0;
+  std::size_t bytes = 0;
   for (unsigned round = 0; round < 150; ++round) {
     Bytes stream;
     for (std::uint32_t i = 0; i < 6; ++i)
-      send(i, random() % 5 == 0 ? 800 : random() % 64, random, stream);
+      append_random_packet(i, random() % 5 == 0 ? 800 : random() % 64, random, stream);
     const int times = 1 + static_cast<int>(random() % 4);
     for (int i = 0; i < times; ++i) {
       damage(stream, 0, stream.size(), static_cast<Fault>((round + i) % kNumFaults), random);
     }
-    expect_same(stream, round, round % 3 == 0 ? 0.7 : 1.0);
+    expect_equal_results(stream, round, round % 3 == 0 ? 0.7 : 1.0);
     if (::testing::Test::HasFatalFailure()) return;
-    whole += stream.size();
+    bytes += stream.size();
   }
-  EXPECT_GT(whole, 50000U);
+  EXPECT_GT(bytes, 50000U);
 }
 
 }  // namespace

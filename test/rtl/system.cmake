@@ -1,4 +1,4 @@
-# The gateware's end of the link: its modules, and a whole board of them (fs_system).
+# Tests of the gateware's end of the link: its modules, and the whole gateware (fs_system).
 add_library(rtl_system_models STATIC models.cpp)
 set_target_properties(rtl_system_models PROPERTIES POSITION_INDEPENDENT_CODE ON)
 fpga_stereo_verilate(Crc8 fs_crc32c Bits=8 LIBRARY=rtl_system_models)
@@ -8,7 +8,7 @@ fpga_stereo_verilate(InputSelect fs_input_select SilenceMs=3 LIBRARY=rtl_system_
 fpga_stereo_verilate(Heartbeat fs_heartbeat LIBRARY=rtl_system_models)
 fpga_stereo_verilate(Time fs_time ClockHz=3333333 LIBRARY=rtl_system_models)
 
-# A clock of 0.1 MHz: the seconds of HeartbeatMs and HostTimeoutMs are few clocks.
+# The clock is 0.1 MHz, so that HeartbeatMs and HostTimeoutMs take few clocks.
 fpga_stereo_model(rtl_model_system 64 16 11 15 0 10 80 100000 126 4)
 
 catkin_add_gtest(rtl_system_test

@@ -1,4 +1,4 @@
-// Pairs of images from the host: the board's pipeline runs on them as on the cameras'.
+// Raw pairs from the host: the board processes them like camera pairs.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -12,25 +12,26 @@ using sim::RawPair;
 
 const cv::Size kSize(37, 22);
 
-/// What a host does to a pair that it sends.
-struct Sending {
+/// Tags of a pair that the host sends, and which of its packets are missing or repeated.
+struct HostPair {
   std::uint64_t id = 0x1122334455667788, timestamp = 0x99AABBCCDDEEFF00;
-  std::function<int(int)> copies = [](int) { return 1; };  // of each row
+  std::function<int(int)> copies = [](int) { return 1; };  // number of times to send row y
   bool leader = true, trailer = true;
 };
 
-void send_pair(SystemRig& rig, const RawPair& pair, const Sending& how = {}) {
+/// Sends a pair from the host to the board's input.
+void send_pair(SystemRig& rig, const RawPair& pair, const HostPair& host_pair = {}) {
   Header header;
   header.stream = Stream::kInput;
-  header.frame_id = how.id;
-  header.timestamp = how.timestamp;
+  header.frame_id = host_pair.id;
+  header.timestamp = host_pair.timestamp;
   link::Leader leader;
   leader.width = static_cast<std::uint16_t>(pair.left.cols);
   leader.height = static_cast<std::uint16_t>(pair.left.rows);
   leader.format = link::PixelFormat::kGrey;
   header.type = PacketType::kLeader;
   const auto packed = link::pack(leader);
-  if (how.leader) rig.send(header, {packed.begin(), packed.end()});
+  if (host_pair.leader) rig.send(header, {packed.begin(), packed.end()});
   header.type = PacketType::kRows;
   for (int y = 0; y < pair.left.rows; ++y) {
     cv::Mat both;
@@ -38,117 +39,117 @@ void send_pair(SystemRig& rig, const RawPair& pair, const Sending& how = {}) {
     std::vector<std::uint8_t> bytes;
     link::append_row(both, bytes);
     header.index = static_cast<std::uint16_t>(y);
-    for (int i = 0; i < how.copies(y); ++i) rig.send(header, bytes);
+    for (int i = 0; i < host_pair.copies(y); ++i) rig.send(header, bytes);
   }
   header.index = 0;
   header.type = PacketType::kTrailer;
   const auto trailer = link::pack(link::Trailer{});
-  if (how.trailer) rig.send(header, {trailer.begin(), trailer.end()});
+  if (host_pair.trailer) rig.send(header, {trailer.begin(), trailer.end()});
 }
 
 class RtlSystemInput : public ::testing::Test {
  protected:
   void SetUp() override {
-    rig_.configure(parameters_, rectification_);
+    rig_.apply_configuration(parameters_, rectification_);
     rig_.write(spec::kRegStreams, kAllStreams);
     rig_.write(spec::kRegInput, spec::kInputHost.put(1));
   }
-  void expect_good(const Assembled& frame, const RawPair& pair, const Sending& how) {
+  void expect_good(const Assembled& frame, const RawPair& pair, const HostPair& host_pair) {
     const Taps& taps = pipeline_.process(pair.left, pair.right, rectification_, parameters_, 1);
     EXPECT_EQ(frame.verdict, Verdict::kGood) << frame.text();
-    EXPECT_EQ(frame.frame_id, how.id);
-    EXPECT_EQ(frame.timestamp, how.timestamp);
+    EXPECT_EQ(frame.frame_id, host_pair.id);
+    EXPECT_EQ(frame.timestamp, host_pair.timestamp);
     EXPECT_TRUE(same(frame.text(), expected_image(frame.stream, pair, taps), frame.image));
   }
 
   SystemRig rig_;
   ReferencePipeline pipeline_;
   Parameters parameters_ = system_parameters();
-  StereoRectification rectification_ = distorted(kSize, 0.6);
+  StereoRectification rectification_ = distorted_rectification(kSize, 0.6);
 };
 
-TEST_F(RtlSystemInput, PairsComeBackWithTheirIdsAndTimes) {
-  const auto pairs = textured(kSize, 4, 3);
+TEST_F(RtlSystemInput, FramesCarryTheIdAndTimeOfTheirPair) {
+  const auto pairs = textured_pairs(kSize, 4, 3);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    Sending how;
-    how.id += 3 * i;
-    how.timestamp -= i;
-    send_pair(rig_, pairs[i], how);
+    HostPair host_pair;
+    host_pair.id += 3 * i;
+    host_pair.timestamp -= i;
+    send_pair(rig_, pairs[i], host_pair);
   }
   rig_.run_until_frames(5 * pairs.size());
   for (const Assembled& frame : rig_.frames) {
-    const std::size_t i = (frame.frame_id - Sending{}.id) / 3;
-    Sending how;
-    how.id += 3 * i;
-    how.timestamp -= i;
-    expect_good(frame, pairs.at(i), how);
+    const std::size_t i = (frame.frame_id - HostPair{}.id) / 3;
+    HostPair host_pair;
+    host_pair.id += 3 * i;
+    host_pair.timestamp -= i;
+    expect_good(frame, pairs.at(i), host_pair);
   }
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 0U);
   EXPECT_EQ(rig_.read(spec::kRegFramesDropped), 0U);
 }
 
-TEST_F(RtlSystemInput, ASlowLineHoldsThePipelineAndNothingIsDropped) {
-  const auto pairs = textured(kSize, 6, 3);
+TEST_F(RtlSystemInput, ASlowLineStallsThePipelineAndDropsNothing) {
+  const auto pairs = textured_pairs(kSize, 6, 3);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    Sending how;
-    how.id = i;
-    send_pair(rig_, pairs[i], how);
+    HostPair host_pair;
+    host_pair.id = i;
+    send_pair(rig_, pairs[i], host_pair);
   }
-  sim::SystemModel::Flow held;
-  held.buffer_bytes = 0;
-  rig_.system().set_flow(held);
+  sim::SystemModel::Flow stalled;
+  stalled.buffer_bytes = 0;
+  rig_.system().set_flow(stalled);
   rig_.run(40000);
   sim::SystemModel::Flow slow;
   slow.tx = 0.15;
   rig_.system().set_flow(slow);
   rig_.run_until_frames(5 * pairs.size());
   for (const Assembled& frame : rig_.frames) {
-    Sending how;
-    how.id = frame.frame_id;
-    expect_good(frame, pairs.at(how.id), how);
+    HostPair host_pair;
+    host_pair.id = frame.frame_id;
+    expect_good(frame, pairs.at(host_pair.id), host_pair);
   }
   EXPECT_EQ(rig_.read(spec::kRegFramesDropped), 0U);
 }
 
-// A whole pair fits into the FIFO in front of the pipeline, and the next one into what holds it.
+// A whole pair fits into the FIFO before the pipeline, and the next one waits before that FIFO.
 TEST_F(RtlSystemInput, PairsOfOneRowKeepTheirIds) {
-  rectification_ = unmoved({16, 1});
-  rig_.configure(parameters_, rectification_);
-  const auto pairs = textured({16, 1}, 40, 3);
+  rectification_ = identity_rectification({16, 1});
+  rig_.apply_configuration(parameters_, rectification_);
+  const auto pairs = textured_pairs({16, 1}, 40, 3);
   sim::SystemModel::Flow slow;
   slow.tx = 0.02;
   rig_.system().set_flow(slow);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    Sending how;
-    how.id = i;
-    how.timestamp = 1000 * i;
-    send_pair(rig_, pairs[i], how);
+    HostPair host_pair;
+    host_pair.id = i;
+    host_pair.timestamp = 1000 * i;
+    send_pair(rig_, pairs[i], host_pair);
   }
   rig_.run(50000);
   rig_.system().set_flow({});
   rig_.run_until_frames(5 * pairs.size());
   for (const Assembled& frame : rig_.frames) {
-    Sending how;
-    how.id = frame.frame_id;
-    how.timestamp = 1000 * how.id;
-    expect_good(frame, pairs.at(how.id), how);
+    HostPair host_pair;
+    host_pair.id = frame.frame_id;
+    host_pair.timestamp = 1000 * host_pair.id;
+    expect_good(frame, pairs.at(host_pair.id), host_pair);
   }
   EXPECT_EQ(rig_.read(spec::kRegFramesDropped), 0U);
 }
 
-TEST_F(RtlSystemInput, RowsThatComeTwiceCountOnce) {
-  const RawPair pair = textured(kSize, 1, 4)[0];
-  Sending how;
-  how.copies = [](int y) { return y % 5 == 2 ? 2 : 1; };
-  send_pair(rig_, pair, how);
+TEST_F(RtlSystemInput, IgnoresRepeatedRows) {
+  const RawPair pair = textured_pairs(kSize, 1, 4)[0];
+  HostPair host_pair;
+  host_pair.copies = [](int y) { return y % 5 == 2 ? 2 : 1; };
+  send_pair(rig_, pair, host_pair);
   rig_.run_until_frames(5);
-  for (const Assembled& frame : rig_.frames) expect_good(frame, pair, how);
+  for (const Assembled& frame : rig_.frames) expect_good(frame, pair, host_pair);
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 0U);
 }
 
-/// What lacks something is flagged as cut, and the next one is good.
-TEST_F(RtlSystemInput, RowsThatAreMissingAreCut) {
-  const auto pairs = textured(kSize, 2, 4);
+// A pair with missing rows is flagged as cut, and the next pair is good.
+TEST_F(RtlSystemInput, FlagsPairsWithMissingRowsAsCut) {
+  const auto pairs = textured_pairs(kSize, 2, 4);
   std::uint32_t errors = 0;
   const std::vector<std::function<int(int)>> losses{
       [](int y) { return y == 0 ? 0 : 1; }, [](int y) { return y / 3 == 2 ? 0 : 1; },
@@ -156,12 +157,12 @@ TEST_F(RtlSystemInput, RowsThatAreMissingAreCut) {
       [](int) { return 0; }};
   for (const bool trailer : {true, false}) {
     for (const auto& copies : losses) {
-      Sending how;
-      how.id = 100 + errors;
-      how.copies = copies;
-      how.trailer = trailer;
-      send_pair(rig_, pairs[0], how);
-      Sending good;
+      HostPair host_pair;
+      host_pair.id = 100 + errors;
+      host_pair.copies = copies;
+      host_pair.trailer = trailer;
+      send_pair(rig_, pairs[0], host_pair);
+      HostPair good;
       good.id = 1000 + errors;
       send_pair(rig_, pairs[1], good);
       rig_.run_until_frames(10);
@@ -169,7 +170,7 @@ TEST_F(RtlSystemInput, RowsThatAreMissingAreCut) {
         if (frame.frame_id == good.id) {
           expect_good(frame, pairs[1], good);
         } else {
-          EXPECT_EQ(frame.frame_id, how.id);
+          EXPECT_EQ(frame.frame_id, host_pair.id);
           EXPECT_EQ(frame.flags, kFrameCut) << frame.text();
         }
       }
@@ -180,28 +181,28 @@ TEST_F(RtlSystemInput, RowsThatAreMissingAreCut) {
   EXPECT_EQ(rig_.read(spec::kRegFramesDropped), 0U);
 }
 
-TEST_F(RtlSystemInput, AMissingTrailerAloneIsCounted) {
-  const auto pairs = textured(kSize, 2, 4);
-  Sending how;
-  how.trailer = false;
-  send_pair(rig_, pairs[0], how);
-  Sending next;
+TEST_F(RtlSystemInput, CountsAMissingTrailer) {
+  const auto pairs = textured_pairs(kSize, 2, 4);
+  HostPair host_pair;
+  host_pair.trailer = false;
+  send_pair(rig_, pairs[0], host_pair);
+  HostPair next;
   next.id = 1;
   send_pair(rig_, pairs[1], next);
   rig_.run_until_frames(10);
   for (const Assembled& frame : rig_.frames) {
-    if (frame.frame_id == how.id) expect_good(frame, pairs[0], how);
+    if (frame.frame_id == host_pair.id) expect_good(frame, pairs[0], host_pair);
     if (frame.frame_id == next.id) expect_good(frame, pairs[1], next);
   }
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 1U);
 }
 
-TEST_F(RtlSystemInput, RowsOfNoFrameAndImpossibleLeadersAreIgnored) {
-  const auto pairs = textured(kSize, 1, 4);
-  Sending how;
-  how.leader = false;
-  send_pair(rig_, pairs[0], how);
-  const auto lead = [&](int width, int height, std::uint8_t format, Stream stream) {
+TEST_F(RtlSystemInput, IgnoresRowsWithoutLeaderAndInvalidLeaders) {
+  const auto pairs = textured_pairs(kSize, 1, 4);
+  HostPair host_pair;
+  host_pair.leader = false;
+  send_pair(rig_, pairs[0], host_pair);
+  const auto send_leader = [&](int width, int height, std::uint8_t format, Stream stream) {
     Header header;
     header.type = PacketType::kLeader;
     header.stream = stream;
@@ -213,15 +214,15 @@ TEST_F(RtlSystemInput, RowsOfNoFrameAndImpossibleLeadersAreIgnored) {
     const auto packed = link::pack(leader);
     rig_.send(header, {packed.begin(), packed.end()});
   };
-  lead(15, 10, kFormatGrey, Stream::kInput);
-  lead(1281, 10, kFormatGrey, Stream::kInput);
-  lead(64, 0, kFormatGrey, Stream::kInput);
-  lead(64, 1201, kFormatGrey, Stream::kInput);
-  lead(64, 10, kFormatDisparity, Stream::kInput);
-  lead(37, 22, kFormatGrey, Stream::kRawLeft);
+  send_leader(15, 10, kFormatGrey, Stream::kInput);
+  send_leader(1281, 10, kFormatGrey, Stream::kInput);
+  send_leader(64, 0, kFormatGrey, Stream::kInput);
+  send_leader(64, 1201, kFormatGrey, Stream::kInput);
+  send_leader(64, 10, kFormatDisparity, Stream::kInput);
+  send_leader(37, 22, kFormatGrey, Stream::kRawLeft);
   EXPECT_EQ(rig_.read(spec::kRegFramesIn), 0U);
   EXPECT_TRUE(rig_.frames.empty());
-  Sending good;
+  HostPair good;
   good.id = 6;
   send_pair(rig_, pairs[0], good);
   rig_.run_until_frames(5);
@@ -229,11 +230,11 @@ TEST_F(RtlSystemInput, RowsOfNoFrameAndImpossibleLeadersAreIgnored) {
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 0U);
 }
 
-TEST_F(RtlSystemInput, AnotherSizeThanConfiguredIsFlagged) {
-  send_pair(rig_, textured({kSize.width, kSize.height - 3}, 1, 1)[0]);
-  Sending good;
+TEST_F(RtlSystemInput, FlagsPairsOfAnotherSizeThanConfigured) {
+  send_pair(rig_, textured_pairs({kSize.width, kSize.height - 3}, 1, 1)[0]);
+  HostPair good;
   good.id = 1;
-  const RawPair pair = textured(kSize, 1, 4)[0];
+  const RawPair pair = textured_pairs(kSize, 1, 4)[0];
   send_pair(rig_, pair, good);
   rig_.run_until_frames(10);
   for (const Assembled& frame : rig_.frames) {
@@ -245,21 +246,21 @@ TEST_F(RtlSystemInput, AnotherSizeThanConfiguredIsFlagged) {
   }
 }
 
-TEST_F(RtlSystemInput, CamerasAndHostTakeTurns) {
-  const auto pairs = textured(kSize, 3, 4);
+TEST_F(RtlSystemInput, SwitchesBetweenCamerasAndHost) {
+  const auto pairs = textured_pairs(kSize, 3, 4);
   sim::SystemModel::Flow flow;
   flow.camera = 0.12;
   rig_.system().set_flow(flow);
-  // The cameras go on all the time; what they send while the host has the input is lost.
+  // The cameras run all the time; their frames are lost while the host has the input.
   rig_.system().feed(pairs[0]);
-  Sending how;
-  send_pair(rig_, pairs[1], how);
+  HostPair host_pair;
+  send_pair(rig_, pairs[1], host_pair);
   rig_.run_until_frames(5);
-  for (const Assembled& frame : rig_.frames) expect_good(frame, pairs[1], how);
+  for (const Assembled& frame : rig_.frames) expect_good(frame, pairs[1], host_pair);
   rig_.run_until([&] { return rig_.system().idle(); });
   rig_.frames.clear();
-  // A pair that the host does not end is ended by the cameras.
-  Sending open;
+  // If the host does not complete a pair, switching to the cameras ends it.
+  HostPair open;
   open.id = 9;
   open.copies = [](int y) { return y < 7 ? 1 : 0; };
   open.trailer = false;
@@ -274,18 +275,18 @@ TEST_F(RtlSystemInput, CamerasAndHostTakeTurns) {
       continue;
     }
     EXPECT_EQ(frame.frame_id, first);
-    how.id = first;
-    how.timestamp = frame.timestamp;
-    expect_good(frame, pairs[2], how);
+    host_pair.id = first;
+    host_pair.timestamp = frame.timestamp;
+    expect_good(frame, pairs[2], host_pair);
   }
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 1U);
 }
 
-TEST_F(RtlSystemInput, AHostThatFallsSilentLeavesNoFrameOpen) {
-  Sending how;
-  how.copies = [](int y) { return y < 7 ? 1 : 0; };
-  how.trailer = false;
-  send_pair(rig_, textured(kSize, 1, 1)[0], how);
+TEST_F(RtlSystemInput, EndsTheFrameOfASilentHost) {
+  HostPair host_pair;
+  host_pair.copies = [](int y) { return y < 7 ? 1 : 0; };
+  host_pair.trailer = false;
+  send_pair(rig_, textured_pairs(kSize, 1, 1)[0], host_pair);
   rig_.run(2100 * 100);
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 1U);
   EXPECT_EQ(rig_.read(spec::kRegCutFrames), 1U);

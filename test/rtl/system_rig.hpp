@@ -1,4 +1,4 @@
-// A simulated board and a host that speaks to it over the link, for tests of both.
+// A simulated board (fs_system) and a host that talks to it over the link.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,20 +24,22 @@ using link::Stream;
 using Words = std::vector<std::uint32_t>;
 using Verdict = Assembled::Verdict;
 
-/// The model that the tests run on; FPGA_STEREO_SYSTEM_MODEL names another one.
+/// Returns the path of the model under test; the environment variable FPGA_STEREO_SYSTEM_MODEL
+/// overrides it.
 inline std::string system_model_path() {
-  const char* const other = std::getenv("FPGA_STEREO_SYSTEM_MODEL");
-  if (other != nullptr) return other;
+  const char* const path = std::getenv("FPGA_STEREO_SYSTEM_MODEL");
+  if (path != nullptr) return path;
   return std::string(FPGA_STEREO_MODELS) + "/fs_system_64_16_11_15_0_10_80_100000_126_4.so";
 }
 
+/// Returns the words as bytes in the link's byte order.
 inline std::vector<std::uint8_t> bytes_of(const Words& words) {
   std::vector<std::uint8_t> bytes(4 * words.size());
   for (std::size_t i = 0; i < words.size(); ++i) link::put_u32(&bytes[4 * i], words[i]);
   return bytes;
 }
 
-/// A packet that has come, with its payload as words.
+/// A received packet with its payload as words.
 struct Received {
   Header header;
   Words payload;
@@ -45,13 +47,13 @@ struct Received {
 
 class SystemRig {
  public:
-  explicit SystemRig(std::uint32_t seed = 1) : system_(opened(seed)) {}
+  explicit SystemRig(std::uint32_t seed = 1) : system_(open_model(seed)) {}
 
   sim::SystemModel& system() { return system_; }
   const link::Decoder::Counters& counters() const { return decoder_.counters(); }
   const link::FrameAssembler::Counters& frame_counters() const { return assembler_.counters(); }
 
-  /// Appends a packet to what the host sends; gives its bytes.
+  /// Sends a packet from the host with the next sequence number; returns its bytes.
   std::vector<std::uint8_t> send(Header header, const std::vector<std::uint8_t>& payload) {
     header.sequence = sequence_++;
     std::vector<std::uint8_t> bytes;
@@ -59,8 +61,9 @@ class SystemRig {
     system_.from_host(bytes.data(), bytes.size());
     return bytes;
   }
-  /// As if packets of the host had been lost.
-  void skip_sequence(std::uint32_t count) { sequence_ += count; }
+  /// Skips sequence numbers, as if that many packets of the host had been lost.
+  void skip_sequence_numbers(std::uint32_t count) { sequence_ += count; }
+  /// Sends a request without waiting for its answer; returns its id.
   std::uint16_t send_request(PacketType type, const Words& payload) {
     Header header;
     header.type = type;
@@ -69,7 +72,7 @@ class SystemRig {
     return id_;
   }
 
-  /// Lets the clock run and sorts what comes.
+  /// Runs the clock and sorts the packets that arrive.
   void run(std::int64_t clocks) {
     const std::int64_t end = system_.clocks() + clocks;
     while (system_.clocks() < end) {
@@ -77,12 +80,12 @@ class SystemRig {
       receive();
     }
   }
-  /// Until `done`, or a failure after `max_clocks`.
+  /// Runs until `done`; throws after `max_clocks`.
   void run_until(const std::function<bool()>& done, std::int64_t max_clocks = 400000) {
     const std::int64_t end = system_.clocks() + max_clocks;
     constexpr std::int64_t kStep = 500;
     while (!done()) {
-      if (system_.clocks() >= end) throw std::runtime_error("nothing more comes");
+      if (system_.clocks() >= end) throw std::runtime_error("timeout while waiting for the board");
       system_.run(kStep);
       receive();
     }
@@ -91,7 +94,7 @@ class SystemRig {
     run_until([&] { return frames.size() >= count; });
   }
 
-  /// A request and its answer.
+  /// Sends a request and waits for its answer.
   Received request(PacketType type, const Words& payload) {
     const std::uint16_t id = send_request(type, payload);
     run_until([&] { return !answers.empty(); });
@@ -109,24 +112,25 @@ class SystemRig {
     EXPECT_EQ(request(PacketType::kWriteRegisters, {address, value}).header.type,
               PacketType::kWritten);
   }
-  /// Everything, meshes in packets of their own, and CONTROL.apply.
-  void configure(const Parameters& parameters, const StereoRectification& rectification) {
-    const auto made = make_gateware_configuration(system_.build(), parameters, rectification);
-    if (!made) throw std::runtime_error(made.error().message);
-    constexpr std::size_t kMostNodes = 255;
+  /// Sends all registers and, in packets of their own, the meshes; writes CONTROL.apply last.
+  void apply_configuration(const Parameters& parameters, const StereoRectification& rectification) {
+    const auto configuration =
+        make_gateware_configuration(system_.build(), parameters, rectification);
+    if (!configuration) throw std::runtime_error(configuration.error().message);
+    constexpr std::size_t kMaxNodes = 255;
     Words mesh;
     const auto send_mesh = [&] {
       if (mesh.empty()) return;
       EXPECT_EQ(request(PacketType::kWriteMesh, mesh).header.type, PacketType::kWritten);
       mesh.clear();
     };
-    for (const RegisterWrite& w : made->writes()) {
+    for (const RegisterWrite& w : configuration->writes()) {
       if (w.address == spec::kRegMeshAddress) {
         send_mesh();
         mesh = {w.value};
       } else if (w.address == spec::kRegMeshData) {
         mesh.push_back(w.value);
-        ASSERT_LE(mesh.size(), kMostNodes);
+        ASSERT_LE(mesh.size(), kMaxNodes);
       } else {
         send_mesh();
         write(w.address, w.value);
@@ -134,13 +138,13 @@ class SystemRig {
     }
   }
 
-  std::vector<Received> packets;  // all, in order
-  std::vector<Received> answers;  // that have not been taken
+  std::vector<Received> packets;  // all, in order of arrival
+  std::vector<Received> answers;  // not yet returned by request()
   std::vector<Assembled> frames;
   int heartbeats = 0;
 
  private:
-  static sim::SystemModel opened(std::uint32_t seed) {
+  static sim::SystemModel open_model(std::uint32_t seed) {
     auto system = sim::SystemModel::open(system_model_path(), seed);
     if (!system) throw std::runtime_error(system.error().message);
     return std::move(*system);
@@ -179,7 +183,7 @@ class SystemRig {
   std::uint16_t id_ = 0xFFF0;
 };
 
-/// The parameters of that model.
+/// Returns pipeline parameters that the model under test supports.
 inline Parameters system_parameters() {
   Parameters p;
   p.disparity_range = 16;
@@ -190,11 +194,11 @@ inline Parameters system_parameters() {
   return p;
 }
 
-/// The bit of STREAMS for each.
+/// Returns a stream's bit in the register STREAMS.
 inline std::uint32_t stream_bit(Stream stream) { return 1U << static_cast<unsigned>(stream); }
 constexpr std::uint32_t kAllStreams = 0x3E;
 
-/// What a board must send for a pair.
+/// Returns the image that the board must send in this stream for a pair.
 inline cv::Mat expected_image(Stream stream, const sim::RawPair& pair, const Taps& taps) {
   switch (stream) {
     case Stream::kDisparity:

@@ -1,4 +1,4 @@
-// A whole board over its link: requests, what it counts, signs of life.
+// The whole gateware (fs_system) over its link: requests, counters, heartbeats.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,14 +9,15 @@
 namespace fpga_stereo::test {
 namespace {
 
-/// What the board must answer to a request, but for sequence and time.
-Received refused(std::uint32_t why) {
+/// Returns the expected refusal of a request, apart from its sequence number and time.
+Received refusal(std::uint32_t reason) {
   Received answer;
   answer.header.type = PacketType::kRefused;
-  answer.payload = {why};
+  answer.payload = {reason};
   return answer;
 }
 
+/// Sends a request and compares its answer, apart from its sequence number and time.
 void expect_answer(SystemRig& rig, PacketType type, const Words& payload,
                    const Received& expected) {
   const Received answer = rig.request(type, payload);
@@ -28,7 +29,7 @@ void expect_answer(SystemRig& rig, PacketType type, const Words& payload,
   EXPECT_EQ(answer.payload, expected.payload);
 }
 
-TEST(RtlSystem, SaysWhatItIs) {
+TEST(RtlSystem, ReportsItsBuildAndResetValues) {
   SystemRig rig;
   EXPECT_EQ(rig.read(spec::kRegIdentity), spec::kRegIdentityReset);
   EXPECT_EQ(rig.read(spec::kRegSpecHash), kSpecHash);
@@ -41,7 +42,7 @@ TEST(RtlSystem, SaysWhatItIs) {
   }
 }
 
-TEST(RtlSystem, RegistersAreReadAndWrittenInOrder) {
+TEST(RtlSystem, ReadsAndWritesRegistersInOrder) {
   SystemRig rig;
   Words addresses, expected;
   for (std::uint32_t i = 0; i < 64; ++i) {
@@ -58,14 +59,14 @@ TEST(RtlSystem, RegistersAreReadAndWrittenInOrder) {
   values.header.type = PacketType::kRegisters;
   values.payload = expected;
   expect_answer(rig, PacketType::kReadRegisters, addresses, values);
-  // No registers: 0, and nothing is written; not one of the same low bits either.
+  // Addresses without a register read 0 and ignore writes, also if their low bits match a register.
   values.payload = {0x6F, 0, 0xFF, 0, 0x162, 0, 0xFFFFFF62, 0};
   expect_answer(rig, PacketType::kWriteRegisters, {0x6F, 1, 0x162, 1}, written);
   expect_answer(rig, PacketType::kReadRegisters, {0x6F, 0xFF, 0x162, 0xFFFFFF62}, values);
   EXPECT_EQ(rig.read(spec::kRegStreams), 0x14U);
 }
 
-TEST(RtlSystem, SettingsOfTheLinkAreReadBack) {
+TEST(RtlSystem, ReadsBackTheWritableBitsOfLinkRegisters) {
   SystemRig rig;
   rig.write(spec::kRegStreams, 0xFFFFFFFF);
   rig.write(spec::kRegFrameInterval, 0x00030007);
@@ -79,7 +80,7 @@ TEST(RtlSystem, SettingsOfTheLinkAreReadBack) {
   EXPECT_EQ(rig.read(spec::kRegConfiguration), 0U);
 }
 
-TEST(RtlSystem, AMeshIsReadBackByItsSignature) {
+TEST(RtlSystem, SignsAMeshUpload) {
   SystemRig rig;
   Signature signature;
   Words mesh{spec::kMeshAddressCamera.put(1) | spec::kMeshAddressNode.put(3)};
@@ -93,18 +94,18 @@ TEST(RtlSystem, AMeshIsReadBackByItsSignature) {
             spec::kMeshAddressCamera.put(1) | spec::kMeshAddressNode.put(3 + 255));
 }
 
-TEST(RtlSystem, RefusesWithTheReason) {
+TEST(RtlSystem, RefusesInvalidRequestsWithTheReason) {
   SystemRig rig;
-  expect_answer(rig, PacketType::kReadRegisters, {}, refused(kRefusedLength));
-  expect_answer(rig, PacketType::kReadRegisters, Words(65, 0), refused(kRefusedLength));
-  expect_answer(rig, PacketType::kWriteRegisters, {}, refused(kRefusedLength));
-  expect_answer(rig, PacketType::kWriteRegisters, Words(3, 0x62), refused(kRefusedLength));
-  expect_answer(rig, PacketType::kWriteRegisters, Words(130, 0x62), refused(kRefusedLength));
-  expect_answer(rig, PacketType::kWriteMesh, {0}, refused(kRefusedLength));
-  expect_answer(rig, PacketType::kWriteMesh, Words(257, 0), refused(kRefusedLength));
-  expect_answer(rig, PacketType::kHeartbeat, {}, refused(kRefusedType));
-  expect_answer(rig, static_cast<PacketType>(0), Words(1024, 0), refused(kRefusedType));
-  expect_answer(rig, PacketType::kRegisters, {1, 2}, refused(kRefusedType));
+  expect_answer(rig, PacketType::kReadRegisters, {}, refusal(kRefusedLength));
+  expect_answer(rig, PacketType::kReadRegisters, Words(65, 0), refusal(kRefusedLength));
+  expect_answer(rig, PacketType::kWriteRegisters, {}, refusal(kRefusedLength));
+  expect_answer(rig, PacketType::kWriteRegisters, Words(3, 0x62), refusal(kRefusedLength));
+  expect_answer(rig, PacketType::kWriteRegisters, Words(130, 0x62), refusal(kRefusedLength));
+  expect_answer(rig, PacketType::kWriteMesh, {0}, refusal(kRefusedLength));
+  expect_answer(rig, PacketType::kWriteMesh, Words(257, 0), refusal(kRefusedLength));
+  expect_answer(rig, PacketType::kHeartbeat, {}, refusal(kRefusedType));
+  expect_answer(rig, static_cast<PacketType>(0), Words(1024, 0), refusal(kRefusedType));
+  expect_answer(rig, PacketType::kRegisters, {1, 2}, refusal(kRefusedType));
   Header other;
   other.version = kLinkVersion + 1;
   other.type = PacketType::kLeader;
@@ -114,20 +115,20 @@ TEST(RtlSystem, RefusesWithTheReason) {
   EXPECT_EQ(rig.answers[0].header.index, 77);
   EXPECT_EQ(rig.answers[0].payload, Words{kRefusedVersion});
   rig.answers.clear();
-  // Nothing of it has had an effect; the longest that are allowed have.
+  // Refused requests have no effect; requests of the maximum length are accepted.
   EXPECT_EQ(rig.read(spec::kRegStreams), 0U);
   EXPECT_EQ(rig.request(PacketType::kWriteMesh, Words(256, 0)).header.type, PacketType::kWritten);
   EXPECT_EQ(rig.request(PacketType::kWriteRegisters, Words(128, 0x62)).header.type,
             PacketType::kWritten);
 }
 
-TEST(RtlSystem, PacketsAreThoseOfTheHost) {
+TEST(RtlSystem, SendsPacketsWithTheBytesOfTheHostsEncoder) {
   SystemRig rig;
   rig.send_request(PacketType::kReadRegisters, {spec::kRegBuildClock});
   std::vector<std::uint8_t> bytes(200);
   for (int i = 0; i < 20; ++i) rig.system().run(100);
   bytes.resize(rig.system().to_host(bytes.data(), bytes.size()));
-  // The heartbeat for the host that has been heard, and the answer; either may come first.
+  // A heartbeat and the answer, in either order.
   std::vector<std::uint8_t> expected;
   link::Decoder decoder;
   decoder.push(bytes.data(), bytes.size());
@@ -140,7 +141,7 @@ TEST(RtlSystem, PacketsAreThoseOfTheHost) {
   EXPECT_EQ(decoder.counters().skipped, 0U);
 }
 
-TEST(RtlSystem, DamagedRequestsAreCountedAndHarmNothing) {
+TEST(RtlSystem, CountsDamagedRequestsAndAnswersIntactOnes) {
   SystemRig rig;
   std::mt19937 random(5);
   std::uint32_t sent = 0;
@@ -158,7 +159,7 @@ TEST(RtlSystem, DamagedRequestsAreCountedAndHarmNothing) {
       damage(request, 0, request.size(), static_cast<Fault>(i / 2 % kNumFaults), random);
     stream.insert(stream.end(), request.begin(), request.end());
   }
-  // What a fake header has made wait ends with silence.
+  // A silence ends the wait for a packet that a damaged header announced.
   rig.system().from_host(stream.data(), stream.size());
   rig.run(40000);
   decoder.push(stream.data(), stream.size());
@@ -184,19 +185,20 @@ TEST(RtlSystem, DamagedRequestsAreCountedAndHarmNothing) {
   EXPECT_EQ(rig.read(spec::kRegLostPackets), 0U);
 }
 
-TEST(RtlSystem, LostRequestsAreCounted) {
+TEST(RtlSystem, CountsLostRequests) {
   SystemRig rig;
-  for (int i = 0; i < 20; ++i) rig.read(spec::kRegIdentity);  // past the wrap
+  // The sequence number wraps within these requests.
+  for (int i = 0; i < 20; ++i) rig.read(spec::kRegIdentity);
   EXPECT_EQ(rig.read(spec::kRegLostPackets), 0U);
-  rig.skip_sequence(5);
+  rig.skip_sequence_numbers(5);
   EXPECT_EQ(rig.read(spec::kRegLostPackets), 5U);
-  rig.skip_sequence(2);
+  rig.skip_sequence_numbers(2);
   EXPECT_EQ(rig.read(spec::kRegLostPackets), 7U);
   rig.write(spec::kRegControl, spec::kControlClear.put(1));
   EXPECT_EQ(rig.read(spec::kRegLostPackets), 0U);
 }
 
-TEST(RtlSystem, TheClockIsInTheAnswers) {
+TEST(RtlSystem, StampsAnswersWithItsClock) {
   SystemRig rig;
   const Received first = rig.request(PacketType::kReadRegisters, {0});
   const std::int64_t us = rig.system().microseconds();
@@ -207,10 +209,10 @@ TEST(RtlSystem, TheClockIsInTheAnswers) {
   EXPECT_NEAR(passed, 1e6, 3e3);
 }
 
-TEST(RtlSystem, HeartbeatsWhileThereIsAHost) {
+TEST(RtlSystem, SendsHeartbeatsOnlyAfterHearingAHost) {
   SystemRig rig;
   rig.run(1000);
-  EXPECT_TRUE(rig.packets.empty()) << "nobody has been heard";
+  EXPECT_TRUE(rig.packets.empty()) << "no host has been heard";
   rig.read(spec::kRegIdentity);
   rig.run(100000);  // 1 s
   EXPECT_EQ(rig.heartbeats, 2);

@@ -1,12 +1,12 @@
-# The whole gateware. Its models are shared objects that build_model makes; they are built with the
-# tests.
+# Tests of the whole pipeline (fs_top). build_model builds its models as shared objects, together
+# with the tests.
 set(sim ${PROJECT_SOURCE_DIR}/fpga_fw/sim)
 set(models ${PROJECT_BINARY_DIR}/models)
 file(GLOB model_sources ${rtl}/*.sv ${sim}/model* ${sim}/build_model)
 file(GLOB link_sources ${rtl}/link/*.sv)
 
-# fpga_stereo_model(TARGET MAX_WIDTH ... [--trace]), the arguments of build_model: of fs_top seven
-# numbers, of fs_system ten
+# fpga_stereo_model(TARGET MAX_WIDTH ... [--trace])
+# Builds a model with the arguments of build_model: seven numbers for fs_top, ten for fs_system.
 function(fpga_stereo_model target)
   set(top fs_top)
   set(sources ${model_sources})
@@ -30,7 +30,7 @@ fpga_stereo_model(rtl_model_trace 640 16 5 5 0 102 5120 --trace)
 fpga_stereo_model(rtl_model_full 640 20 11 15 1 102 5120)
 fpga_stereo_model(rtl_model_other 752 32 11 5 0 104 6144)
 
-# fpga_stereo_top_test(TARGET TIMEOUT SOURCE MODELS...)
+# fpga_stereo_top_test(TARGET TIMEOUT SOURCE MODELS...), TIMEOUT in seconds
 function(fpga_stereo_top_test target timeout source)
   catkin_add_gtest(${target} ${source} ../support/gtest_main.cpp)
   if(TARGET ${target})
@@ -47,7 +47,7 @@ endfunction()
 fpga_stereo_top_test(rtl_top_test 300 top_test.cpp
   rtl_model_sparse rtl_model_full rtl_model_other)
 
-# VGA, 64 disparities: a long test, which builds its model as it runs.
+# VGA with 64 disparities: a long test. A test fixture builds its model when ctest runs it.
 fpga_stereo_top_test(rtl_vga 600 top_vga_test.cpp)
 add_test(NAME rtl_vga_model COMMAND ${sim}/build_model 640 64 11 15 0 102 5120 ${models})
 set_tests_properties(rtl_vga_model PROPERTIES

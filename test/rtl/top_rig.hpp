@@ -1,4 +1,4 @@
-// For tests of the whole gateware: it runs beside the pipeline in software, which it must equal.
+// Runs the whole simulated gateware and the reference pipeline on the same pairs and compares them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,10 +18,10 @@
 
 namespace fpga_stereo::test {
 
-/// A build of the gateware and the parameters that go with it.
+/// A build of the gateware and pipeline parameters that it supports.
 struct TopBuild {
   std::string name;
-  std::string numbers;  // MaxWidth_..._MeshNodes, as build_model names the file
+  std::string numbers;  // MaxWidth_..._MeshNodes, as in the file name by build_model
   Parameters parameters;
 };
 
@@ -40,43 +40,45 @@ inline TopBuild top_build(const std::string& name, const std::string& numbers, i
   return build;
 }
 
-inline sim::Gateware open(const TopBuild& build, std::uint32_t seed = 1) {
-  auto opened = sim::Gateware::open(
+/// Opens the model of a build; throws if that fails. `seed` selects the initial register values.
+inline sim::Gateware open_gateware(const TopBuild& build, std::uint32_t seed = 1) {
+  auto gateware = sim::Gateware::open(
       std::string(FPGA_STEREO_MODELS) + "/fs_top_" + build.numbers + ".so", seed);
-  if (!opened) throw std::runtime_error(opened.error().message);
-  return std::move(*opened);
+  if (!gateware) throw std::runtime_error(gateware.error().message);
+  return std::move(*gateware);
 }
 
-inline StereoRectification unmoved(cv::Size size, int min_disparity = 0) {
+inline StereoRectification identity_rectification(cv::Size size, int min_disparity = 0) {
   StereoGeometry geometry;
   geometry.image_size = size;
   return identity_rectification(geometry, min_disparity);
 }
 
-/// Cameras whose lenses bend the image, the left outwards and the right inwards, and which look a
-/// little past each other. `strength` 1 moves the corners of the image by some percent.
-inline StereoRectification distorted(cv::Size size, double strength, int min_disparity = 0) {
+/// Returns the rectification of two cameras whose lenses distort in opposite directions and which
+/// are rotated against each other. A `strength` of 1 moves the image corners by a few percent.
+inline StereoRectification distorted_rectification(cv::Size size, double strength,
+                                                   int min_disparity = 0) {
   const double f = size.width;
   const auto camera = [&](double k1, double turn, double p3) {
     const double c = std::cos(turn), s = std::sin(turn);
-    CameraCalibration made;
-    made.width = size.width;
-    made.height = size.height;
-    made.distortion_model = "plumb_bob";
-    made.D = {k1, 0.01 * strength, 0.002 * strength, -0.001 * strength, 0};
-    made.K = {f, 0, size.width / 2.0, 0, f, size.height / 2.0, 0, 0, 1};
-    made.R = {c, -s, 0, s, c, 0, 0, 0, 1};
-    made.P = {f, 0, size.width / 2.0, p3, 0, f, size.height / 2.0, 0, 0, 0, 1, 0};
-    return made;
+    CameraCalibration calibration;
+    calibration.width = size.width;
+    calibration.height = size.height;
+    calibration.distortion_model = "plumb_bob";
+    calibration.D = {k1, 0.01 * strength, 0.002 * strength, -0.001 * strength, 0};
+    calibration.K = {f, 0, size.width / 2.0, 0, f, size.height / 2.0, 0, 0, 1};
+    calibration.R = {c, -s, 0, s, c, 0, 0, 0, 1};
+    calibration.P = {f, 0, size.width / 2.0, p3, 0, f, size.height / 2.0, 0, 0, 0, 1, 0};
+    return calibration;
   };
-  const auto made =
+  const auto rectification =
       make_stereo_rectification(camera(-0.15 * strength, 0.015 * strength, 0),
                                 camera(0.12 * strength, -0.01 * strength, -0.1 * f), min_disparity);
-  if (!made) throw std::runtime_error(made.error().message);
-  return *made;
+  if (!rectification) throw std::runtime_error(rectification.error().message);
+  return *rectification;
 }
 
-/// What both sides get.
+/// Input of the gateware and of the reference pipeline.
 struct TopCase {
   Parameters parameters;
   StereoRectification rectification;
@@ -84,12 +86,13 @@ struct TopCase {
   std::string about;
 };
 
+/// Output of the reference pipeline.
 struct Expected {
   std::vector<cv::Mat1w> disparities;
   std::array<std::uint32_t, kNumStages> signatures{};  // of the last pair
 };
 
-inline Expected in_software(const TopCase& c) {
+inline Expected run_reference(const TopCase& c) {
   Expected expected;
   ReferencePipeline pipeline;
   for (const sim::RawPair& pair : c.pairs) {
@@ -100,9 +103,9 @@ inline Expected in_software(const TopCase& c) {
   return expected;
 }
 
-/// The stages whose signatures differ, in data order; "" = none.
-inline std::string differing(const std::array<std::uint32_t, kNumStages>& a,
-                             const std::array<std::uint32_t, kNumStages>& b) {
+/// Returns the names of the stages whose signatures differ, in pipeline order; "" if all are equal.
+inline std::string differing_stages(const std::array<std::uint32_t, kNumStages>& a,
+                                    const std::array<std::uint32_t, kNumStages>& b) {
   std::string names;
   for (int stage = 0; stage < kNumStages; ++stage) {
     if (a[stage] != b[stage]) names += (names.empty() ? "" : " ") + std::string(kStageNames[stage]);
@@ -110,30 +113,32 @@ inline std::string differing(const std::array<std::uint32_t, kNumStages>& a,
   return names;
 }
 
-/// The gateware gives what software gives, for every frame and, of the last, after every stage.
+/// Runs a case and expects every disparity image, and each stage's signature of the last frame, to
+/// equal those of the reference pipeline. Returns the frames of the gateware.
 inline std::vector<sim::Frame> expect_equal(sim::Gateware& gateware, const TopCase& c,
                                             const sim::Flow& flow = {}) {
   SCOPED_TRACE(c.about);
   const Status configured = gateware.configure(c.parameters, c.rectification);
   EXPECT_TRUE(configured) << configured.error().message;
   if (!configured) return {};
-  const Expected expected = in_software(c);
-  const auto made = gateware.process(c.pairs, flow);
-  EXPECT_TRUE(made) << made.error().message;
-  if (!made) return {};
-  EXPECT_EQ(made->size(), c.pairs.size());
-  for (std::size_t i = 0; i < made->size(); ++i) {
+  const Expected expected = run_reference(c);
+  const auto frames = gateware.process(c.pairs, flow);
+  EXPECT_TRUE(frames) << frames.error().message;
+  if (!frames) return {};
+  EXPECT_EQ(frames->size(), c.pairs.size());
+  for (std::size_t i = 0; i < frames->size(); ++i) {
     const Case where{c.parameters, flow.seed, "frame " + std::to_string(i)};
-    EXPECT_TRUE(same("disparity", expected.disparities[i], (*made)[i].disparity, where));
-    EXPECT_FALSE((*made)[i].bad) << "frame " << i;
+    EXPECT_TRUE(same("disparity", expected.disparities[i], (*frames)[i].disparity, where));
+    EXPECT_FALSE((*frames)[i].bad) << "frame " << i;
   }
-  EXPECT_EQ(differing(expected.signatures, gateware.signatures()), "") << "stages that differ";
-  return *made;
+  EXPECT_EQ(differing_stages(expected.signatures, gateware.signatures()), "")
+      << "stages that differ";
+  return *frames;
 }
 
-/// Pairs with structure: slanted planes, so that some pixels pass the checks.
-inline std::vector<sim::RawPair> textured(cv::Size size, int count, unsigned seed,
-                                          double disparity = 4.2) {
+/// Returns pairs that show a textured slanted plane, so that some disparities pass the checks.
+inline std::vector<sim::RawPair> textured_pairs(cv::Size size, int count, unsigned seed,
+                                                double disparity = 4.2) {
   std::vector<sim::RawPair> pairs;
   for (int i = 0; i < count; ++i) {
     const SlantedPair pair = slanted_pair(size, Texture(seed + i), disparity + 0.3 * i, 0.01);

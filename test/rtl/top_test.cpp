@@ -1,4 +1,5 @@
-// fs_top, the whole gateware, against Pipeline: frames, settings and meshes in a row.
+// Compares the whole gateware (fs_top) with the reference pipeline over sequences of frames,
+// settings and meshes.
 #include <gtest/gtest.h>
 
 #include "fpga_stereo/core/spec.hpp"
@@ -22,14 +23,14 @@ const TopBuild kOther =
 
 class RtlTop : public ::testing::TestWithParam<TopBuild> {
  protected:
-  Gateware opened(std::uint32_t seed = 1) const { return open(GetParam(), seed); }
+  Gateware open_model(std::uint32_t seed = 1) const { return open_gateware(GetParam(), seed); }
   Parameters parameters() const { return GetParam().parameters; }
   int min_width() const { return std::max(16, parameters().correlation_window_size + 1); }
 };
 INSTANTIATE_TEST_SUITE_P(Builds, RtlTop, ::testing::Values(kSparse, kFull, kOther),
                          [](const auto& build) { return build.param.name; });
 
-std::vector<RawPair> noise(cv::Size size, int count, unsigned seed) {
+std::vector<RawPair> noise_pairs(cv::Size size, int count, unsigned seed) {
   std::vector<RawPair> pairs;
   for (int i = 0; i < count; ++i) {
     pairs.push_back({random_image(size, seed + 2 * i), random_image(size, seed + 2 * i + 1)});
@@ -37,8 +38,8 @@ std::vector<RawPair> noise(cv::Size size, int count, unsigned seed) {
   return pairs;
 }
 
-/// Some setting of everything that can change between frames; now and then the largest.
-Parameters varied(Parameters p, unsigned seed) {
+/// Varies every parameter that may change between frames at random, sometimes to its maximum.
+Parameters varied_parameters(Parameters p, unsigned seed) {
   cv::RNG random(seed + 1);
   const auto any = [&](int usual, int largest) {
     return random.uniform(0, 4) == 0 ? largest : random.uniform(0, usual + 1);
@@ -53,20 +54,20 @@ Parameters varied(Parameters p, unsigned seed) {
   return p;
 }
 
-TEST_P(RtlTop, SaysWhatItIs) {
-  Gateware gateware = opened();
+TEST_P(RtlTop, ReportsItsBuildAndResetValues) {
+  Gateware gateware = open_model();
   EXPECT_EQ(gateware.read(spec::kRegIdentity), spec::kRegIdentityReset);
   EXPECT_EQ(gateware.read(spec::kRegSpecHash), kSpecHash);
   EXPECT_EQ(gateware.read(spec::kRegVersion), spec::kRegVersionReset);
-  const sim::ModelParameters& made = gateware.model_parameters();
+  const sim::ModelParameters& model = gateware.model_parameters();
   const GatewareBuild& build = gateware.build();
-  EXPECT_EQ(build.max_width, made.max_width);
-  EXPECT_EQ(build.disparities, made.disparities);
-  EXPECT_EQ(build.census_window, made.census_window);
-  EXPECT_EQ(build.correlation_window, made.correlation_window);
-  EXPECT_EQ(build.census_pattern == CensusPattern::kFull, made.census_full != 0);
-  EXPECT_EQ(build.line_rows, made.line_rows);
-  EXPECT_EQ(build.mesh_nodes, made.mesh_nodes);
+  EXPECT_EQ(build.max_width, model.max_width);
+  EXPECT_EQ(build.disparities, model.disparities);
+  EXPECT_EQ(build.census_window, model.census_window);
+  EXPECT_EQ(build.correlation_window, model.correlation_window);
+  EXPECT_EQ(build.census_pattern == CensusPattern::kFull, model.census_full != 0);
+  EXPECT_EQ(build.line_rows, model.line_rows);
+  EXPECT_EQ(build.mesh_nodes, model.mesh_nodes);
   EXPECT_EQ(build.disparities, parameters().disparity_range);
   for (const spec::Register& r : spec::register_table()) {
     if (!r.reset || r.address >= kLinkFirstRegister) continue;
@@ -75,17 +76,17 @@ TEST_P(RtlTop, SaysWhatItIs) {
   }
 }
 
-TEST_P(RtlTop, ImagesOfManySizesBackToBack) {
-  Gateware gateware = opened();
+TEST_P(RtlTop, EqualsSoftwareAtManySizesBackToBack) {
+  Gateware gateware = open_model();
   unsigned seed = 10;
-  // Also smaller than the windows, and than the distance that frames must have.
+  // Some images are smaller than the windows and than the minimum distance between frames.
   for (const cv::Size size :
        {cv::Size(0, 1), cv::Size(0, 2), cv::Size(1, 7), cv::Size(3, 8), cv::Size(0, 15),
         cv::Size(7, 16), cv::Size(15, 31), cv::Size(48, 20), cv::Size(81, 61)}) {
     const cv::Size padded(size.width + min_width(), size.height);
     ++seed;
-    for (const auto& pairs : {noise(padded, 3, seed), textured(padded, 3, seed)}) {
-      TopCase c{varied(parameters(), seed), unmoved(padded), pairs, ""};
+    for (const auto& pairs : {noise_pairs(padded, 3, seed), textured_pairs(padded, 3, seed)}) {
+      TopCase c{varied_parameters(parameters(), seed), identity_rectification(padded), pairs, ""};
       c.about = std::to_string(padded.width) + " x " + std::to_string(padded.height);
       expect_equal(gateware, c);
       ASSERT_FALSE(HasFailure());
@@ -93,7 +94,7 @@ TEST_P(RtlTop, ImagesOfManySizesBackToBack) {
   }
 }
 
-TEST_P(RtlTop, ExtremeImages) {
+TEST_P(RtlTop, EqualsSoftwareOnExtremeImages) {
   const cv::Size size(41, 37);
   std::vector<RawPair> pairs;
   for (const NamedImage& named : extreme_images(size, 5)) {
@@ -105,17 +106,17 @@ TEST_P(RtlTop, ExtremeImages) {
   cv::Mat1b moved(size, std::uint8_t{0});
   moved(20, 20) = 255;
   pairs.push_back({bright, moved});
-  Gateware gateware = opened();
-  expect_equal(gateware, {parameters(), unmoved(size), pairs, "checked"});
+  Gateware gateware = open_model();
+  expect_equal(gateware, {parameters(), identity_rectification(size), pairs, "checked"});
   Parameters unchecked = parameters();
   unchecked.left_right_check = unchecked.uniqueness_check = false;
   unchecked.speckle_size = 0;
-  expect_equal(gateware, {unchecked, unmoved(size), pairs, "unchecked"});
+  expect_equal(gateware, {unchecked, identity_rectification(size), pairs, "unchecked"});
 }
 
-TEST_P(RtlTop, StallsOnBothSides) {
+TEST_P(RtlTop, EqualsSoftwareWithStallsAtInputAndOutput) {
   const cv::Size size(37, 30);
-  Gateware gateware = opened();
+  Gateware gateware = open_model();
   unsigned seed = 1;
   for (const double valid : {0.05, 0.5, 1.0}) {
     for (const double ready : {0.05, 0.5, 1.0}) {
@@ -123,85 +124,84 @@ TEST_P(RtlTop, StallsOnBothSides) {
       flow.valid = valid;
       flow.ready = ready;
       flow.seed = ++seed;
-      expect_equal(gateware, {parameters(), distorted(size, 1), textured(size, 3, seed), ""}, flow);
+      expect_equal(
+          gateware,
+          {parameters(), distorted_rectification(size, 1), textured_pairs(size, 3, seed), ""},
+          flow);
     }
   }
 }
 
-TEST_P(RtlTop, LensesAndMinDisparity) {
-  Gateware gateware = opened();
+TEST_P(RtlTop, EqualsSoftwareWithLensesAndMinDisparity) {
+  Gateware gateware = open_model();
   for (const cv::Size size : {cv::Size(120, 80), cv::Size(97, 73)}) {
     for (const double strength : {0.3, 1.0, 2.0}) {
       for (const int min_disparity : {0, -3, 5}) {
         Parameters p = parameters();
         p.min_disparity = min_disparity;
-        expect_equal(gateware, {p, distorted(size, strength, min_disparity), textured(size, 1, 3),
-                                "strength " + std::to_string(strength)});
+        expect_equal(gateware,
+                     {p, distorted_rectification(size, strength, min_disparity),
+                      textured_pairs(size, 1, 3), "strength " + std::to_string(strength)});
       }
     }
   }
 }
 
-/// One frame in flight, and what it must give.
-struct Sent {
-  TopCase c;
-  Expected expected;
-};
-
-TEST_P(RtlTop, SettingsSizesAndMeshesChangeBehindAFrameInFlight) {
-  Gateware gateware = opened();
+TEST_P(RtlTop, ChangesSettingsSizesAndMeshesAfterTheFrameInFlight) {
+  Gateware gateware = open_model();
   constexpr int kFrames = 12;
   std::vector<Expected> expected;
-  std::vector<Frame> made;
-  const auto keep = [&](Result<std::vector<Frame>> frames) {
-    ASSERT_TRUE(frames) << frames.error().message;
-    made.insert(made.end(), frames->begin(), frames->end());
+  std::vector<Frame> frames;
+  const auto append = [&](Result<std::vector<Frame>> received) {
+    ASSERT_TRUE(received) << received.error().message;
+    frames.insert(frames.end(), received->begin(), received->end());
   };
   cv::RNG random(7);
   sim::Flow flow;
   for (int i = 0; i < kFrames; ++i) {
-    // Often only some settings change, or only the meshes.
+    // In many steps only some settings change, or only the meshes.
     const cv::Size size(i % 3 == 0 ? cv::Size(50, 33) : cv::Size(33 + 2 * i, 20 + 3 * i));
-    const TopCase c{varied(parameters(), i / 2), distorted(size, random.uniform(0.0, 2.0)),
-                    textured(size, 1 + i % 2, 20 + i), ""};
-    expected.push_back(in_software(c));
-    // Half of the changes while the frame before flows, half while streams are held.
-    const auto wanted =
+    const TopCase c{varied_parameters(parameters(), i / 2),
+                    distorted_rectification(size, random.uniform(0.0, 2.0)),
+                    textured_pairs(size, 1 + i % 2, 20 + i), ""};
+    expected.push_back(run_reference(c));
+    // Every other time, the registers are written while the previous frame is streaming.
+    const auto configuration =
         make_gateware_configuration(gateware.build(), c.parameters, c.rectification);
-    ASSERT_TRUE(wanted);
-    const std::vector<RegisterWrite> writes = wanted->writes();
+    ASSERT_TRUE(configuration);
+    const std::vector<RegisterWrite> writes = configuration->writes();
     if (i % 2 == 0) {
       for (const RegisterWrite& w : writes) gateware.write(w.address, w.value);
     } else {
       flow.writes = writes;
-      keep(gateware.stream({}, 0, flow));
+      append(gateware.stream({}, 0, flow));
       flow.writes.clear();
     }
-    keep(gateware.stream(pixels(c.pairs), 0, flow));
+    append(gateware.stream(pixels(c.pairs), 0, flow));
     flow.seed = i;
     flow.valid = flow.ready = i % 4 == 3 ? 0.5 : 1;
   }
-  std::size_t frames = 0;
-  for (const Expected& e : expected) frames += e.disparities.size();
-  ASSERT_LT(made.size(), frames) << "the last frame must have been in flight";
-  keep(gateware.stream({}, frames - made.size()));
+  std::size_t count = 0;
+  for (const Expected& e : expected) count += e.disparities.size();
+  ASSERT_LT(frames.size(), count) << "no frame was in flight";
+  append(gateware.stream({}, count - frames.size()));
   std::size_t i = 0;
   for (const Expected& e : expected) {
     for (const cv::Mat1w& disparity : e.disparities) {
-      EXPECT_TRUE(same("disparity of frame " + std::to_string(i), disparity, made[i].disparity));
-      EXPECT_FALSE(made[i++].bad);
+      EXPECT_TRUE(same("disparity of frame " + std::to_string(i), disparity, frames[i].disparity));
+      EXPECT_FALSE(frames[i++].bad);
     }
   }
-  EXPECT_EQ(differing(expected.back().signatures, gateware.signatures()), "");
+  EXPECT_EQ(differing_stages(expected.back().signatures, gateware.signatures()), "");
   EXPECT_EQ(gateware.counters().mesh_swaps, kFrames);
-  EXPECT_EQ(gateware.counters().frames_out, frames);
+  EXPECT_EQ(gateware.counters().frames_out, count);
 }
 
-TEST_P(RtlTop, AClockPerPixel) {
-  Gateware gateware = opened();
+TEST_P(RtlTop, ProcessesOnePixelPerClock) {
+  Gateware gateware = open_model();
   for (const cv::Size size : {cv::Size(64, 48), cv::Size(39, 25)}) {
-    const auto frames = expect_equal(
-        gateware, {parameters(), distorted(size, 1), textured(size, 6, 1), "steady state"});
+    const auto frames = expect_equal(gateware, {parameters(), distorted_rectification(size, 1),
+                                                textured_pairs(size, 6, 1), "steady state"});
     ASSERT_EQ(frames.size(), 6U);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       SCOPED_TRACE(i);
@@ -214,10 +214,10 @@ TEST_P(RtlTop, AClockPerPixel) {
   }
 }
 
-TEST_P(RtlTop, NothingComesBehindTheLastFrame) {
+TEST_P(RtlTop, PutsOutNothingAfterTheLastFrame) {
   const cv::Size size(30, 20);
-  Gateware gateware = opened();
-  const TopCase c{parameters(), unmoved(size), textured(size, 2, 1), ""};
+  Gateware gateware = open_model();
+  const TopCase c{parameters(), identity_rectification(size), textured_pairs(size, 2, 1), ""};
   expect_equal(gateware, c);
   gateware.idle(100 * size.width);
   const auto nothing = gateware.stream({}, 0);
@@ -229,12 +229,12 @@ TEST_P(RtlTop, NothingComesBehindTheLastFrame) {
   expect_equal(gateware, c);
 }
 
-TEST_P(RtlTop, FramesThatAreCutOrLong) {
+TEST_P(RtlTop, FlagsFramesThatAreCutOrTooLong) {
   const cv::Size size(34, 26);
-  Gateware gateware = opened();
-  const TopCase c{parameters(), distorted(size, 1), textured(size, 1, 9), ""};
+  Gateware gateware = open_model();
+  const TopCase c{parameters(), distorted_rectification(size, 1), textured_pairs(size, 1, 9), ""};
   ASSERT_TRUE(gateware.configure(c.parameters, c.rectification));
-  const Expected expected = in_software(c);
+  const Expected expected = run_reference(c);
   const std::vector<Pixel> good = pixels(c.pairs);
   const auto without = [&](int first, int count) {
     std::vector<Pixel> words = good;
@@ -251,12 +251,12 @@ TEST_P(RtlTop, FramesThatAreCutOrLong) {
     bool cut, too_long;
   };
   const std::vector<Fault> faults{
-      {"cut in a line", {good.begin(), good.begin() + 34 * 11 + 17}, true, false},
-      {"a pixel only", {good.begin(), good.begin() + 1}, true, false},
+      {"cut in the middle of a line", {good.begin(), good.begin() + 34 * 11 + 17}, true, false},
+      {"a single pixel", {good.begin(), good.begin() + 1}, true, false},
       {"a row is missing", without(34 * 7, 34), true, false},
       {"the last pixel is missing", without(34 * 26 - 1, 1), true, false},
       {"a short line", without(34 * 7 + 3, 5), true, false},
-      {"rows too many", long_frame, false, true},
+      {"too many rows", long_frame, false, true},
       {"a long line", long_line, false, true},
   };
   std::uint32_t cut = 0, too_long = 0, frames = 0;
@@ -271,15 +271,15 @@ TEST_P(RtlTop, FramesThatAreCutOrLong) {
       std::vector<Pixel> words = good;
       words.insert(words.end(), fault.words.begin(), fault.words.end());
       words.insert(words.end(), good.begin(), good.end());
-      const auto made = gateware.stream(words, 3, flow);
-      ASSERT_TRUE(made) << made.error().message;
-      ASSERT_EQ(made->size(), 3U);
-      EXPECT_FALSE((*made)[0].bad);
-      EXPECT_TRUE(same("frame before", expected.disparities[0], (*made)[0].disparity));
-      EXPECT_TRUE((*made)[1].bad);
-      EXPECT_EQ((*made)[1].disparity.size(), size);
-      EXPECT_FALSE((*made)[2].bad);
-      EXPECT_TRUE(same("frame behind", expected.disparities[0], (*made)[2].disparity));
+      const auto received = gateware.stream(words, 3, flow);
+      ASSERT_TRUE(received) << received.error().message;
+      ASSERT_EQ(received->size(), 3U);
+      EXPECT_FALSE((*received)[0].bad);
+      EXPECT_TRUE(same("previous frame", expected.disparities[0], (*received)[0].disparity));
+      EXPECT_TRUE((*received)[1].bad);
+      EXPECT_EQ((*received)[1].disparity.size(), size);
+      EXPECT_FALSE((*received)[2].bad);
+      EXPECT_TRUE(same("next frame", expected.disparities[0], (*received)[2].disparity));
       const sim::Counters counters = gateware.counters();
       EXPECT_EQ(counters.cut_frames, cut);
       EXPECT_EQ(counters.long_frames, too_long);
@@ -294,13 +294,13 @@ TEST_P(RtlTop, FramesThatAreCutOrLong) {
   EXPECT_EQ(gateware.counters().cut_frames, 0U);
 }
 
-TEST_P(RtlTop, AMeshThatReadsWhatIsNotInTheBuffer) {
+TEST_P(RtlTop, FlagsFramesWhoseMeshReadsOutsideTheLineBuffer) {
   const cv::Size size(34, 26);
-  Gateware gateware = opened();
-  const TopCase c{parameters(), distorted(size, 1), textured(size, 1, 9), ""};
+  Gateware gateware = open_model();
+  const TopCase c{parameters(), distorted_rectification(size, 1), textured_pairs(size, 1, 9), ""};
   expect_equal(gateware, c);
   EXPECT_EQ(gateware.counters().buffer_errors, 0U);
-  // Too early.
+  // Reading starts too early.
   gateware.write(spec::kRegReadStart, spec::kReadStartPixels.put(1));
   gateware.write(spec::kRegControl, spec::kControlApply.put(1));
   const auto bad = gateware.process({c.pairs[0], c.pairs[0]});
@@ -313,10 +313,10 @@ TEST_P(RtlTop, AMeshThatReadsWhatIsNotInTheBuffer) {
   expect_equal(gateware, c);
 }
 
-TEST_P(RtlTop, ResetInTheMiddleOfAFrame) {
+TEST_P(RtlTop, RecoversFromAResetInTheMiddleOfAFrame) {
   const cv::Size size(36, 28);
-  Gateware gateware = opened();
-  const TopCase c{parameters(), distorted(size, 1), textured(size, 2, 3), ""};
+  Gateware gateware = open_model();
+  const TopCase c{parameters(), distorted_rectification(size, 1), textured_pairs(size, 2, 3), ""};
   const std::vector<Pixel> words = pixels(c.pairs);
   for (const int sent : {1, 36 * 9 + 5, 36 * 28 - 1, 36 * 40, 36 * 55}) {
     ASSERT_TRUE(gateware.configure(c.parameters, c.rectification));
@@ -329,24 +329,24 @@ TEST_P(RtlTop, ResetInTheMiddleOfAFrame) {
   }
 }
 
-TEST_P(RtlTop, SignaturesNameTheFirstStageThatDiffers) {
+TEST_P(RtlTop, SignaturesIdentifyTheFirstStageThatDiffers) {
   const cv::Size size(60, 40);
-  Gateware gateware = opened();
-  const StereoRectification rectification = unmoved(size);
-  // Grey values up to 128, so that there is room above.
-  const RawPair bright = textured(size, 1, 3)[0];
+  Gateware gateware = open_model();
+  const StereoRectification rectification = identity_rectification(size);
+  // Grey values up to 128 leave headroom for brighter pixels.
+  const RawPair bright = textured_pairs(size, 1, 3)[0];
   const std::vector<RawPair> pairs{{bright.left / 2, bright.right / 2}};
   Parameters p = parameters();
   p.speckle_size = 0;
-  const auto expected = in_software({p, rectification, pairs, ""}).signatures;
+  const auto expected = run_reference({p, rectification, pairs, ""}).signatures;
   const auto found = [&](const Parameters& given, const RawPair& pair) {
     EXPECT_TRUE(gateware.configure(given, rectification));
     EXPECT_TRUE(gateware.process({pair}));
-    return differing(expected, gateware.signatures());
+    return differing_stages(expected, gateware.signatures());
   };
   const auto first = [](const std::string& names) { return names.substr(0, names.find(' ')); };
   EXPECT_EQ(found(p, pairs[0]), "");
-  // Brighter: census does not see it.
+  // Census does not change with brightness.
   EXPECT_EQ(found(p, {pairs[0].left + 9, pairs[0].right}), "rectify");
   cv::Mat1b other = pairs[0].left.clone();
   other(20, 30) += 128;
@@ -364,11 +364,11 @@ TEST_P(RtlTop, SignaturesNameTheFirstStageThatDiffers) {
   EXPECT_EQ(found(changed, pairs[0]), "speckle");
 }
 
-TEST_P(RtlTop, RefusesByNameWhatItWasNotBuiltFor) {
+TEST_P(RtlTop, NamesWhatTheBuildDoesNotSupport) {
   const cv::Size size(40, 30);
-  Gateware gateware = opened();
-  const auto refused = [&](const Parameters& p, const StereoRectification& r,
-                           const std::vector<std::string>& words) {
+  Gateware gateware = open_model();
+  const auto expect_refused = [&](const Parameters& p, const StereoRectification& r,
+                                  const std::vector<std::string>& words) {
     const Status status = gateware.configure(p, r);
     ASSERT_FALSE(status) << words.front();
     for (const std::string& word : words) {
@@ -379,43 +379,46 @@ TEST_P(RtlTop, RefusesByNameWhatItWasNotBuiltFor) {
   const GatewareBuild& build = gateware.build();
   Parameters p = parameters();
   p.disparity_range = 64;
-  refused(p, unmoved(size), {"disparity_range = 64", std::to_string(build.disparities)});
+  expect_refused(p, identity_rectification(size),
+                 {"disparity_range = 64", std::to_string(build.disparities)});
   p = parameters();
   p.census_window_size = 5;
-  refused(p, unmoved(size), {"census_window_size = 5", std::to_string(build.census_window)});
+  expect_refused(p, identity_rectification(size),
+                 {"census_window_size = 5", std::to_string(build.census_window)});
   p = parameters();
   const bool full = p.census_pattern == CensusPattern::kFull;
   p.census_pattern = full ? CensusPattern::kSparse : CensusPattern::kFull;
-  refused(p, unmoved(size), {"census_pattern = ", "sparse", "full"});
+  expect_refused(p, identity_rectification(size), {"census_pattern = ", "sparse", "full"});
   p = parameters();
   p.correlation_window_size = 21;
-  refused(p, unmoved(size), {"correlation_window_size = 21", "built for"});
+  expect_refused(p, identity_rectification(size), {"correlation_window_size = 21", "built for"});
   p = parameters();
-  refused(p, unmoved({15, 30}), {"image width = 15", "allows 16 to"});
-  refused(p, unmoved({build.max_width + 1, 30}),
-          {"image width = ", std::to_string(build.max_width)});
-  refused(p, unmoved({40, 1201}), {"image height = 1201", "allows 1 to 1200"});
-  refused(p, unmoved({build.max_width, 1200}),
-          {"nodes of a mesh", std::to_string(build.mesh_nodes)});
-  StereoRectification high = unmoved({40, 300});
+  expect_refused(p, identity_rectification({15, 30}), {"image width = 15", "allows 16 to"});
+  expect_refused(p, identity_rectification({build.max_width + 1, 30}),
+                 {"image width = ", std::to_string(build.max_width)});
+  expect_refused(p, identity_rectification({40, 1201}),
+                 {"image height = 1201", "allows 1 to 1200"});
+  expect_refused(p, identity_rectification({build.max_width, 1200}),
+                 {"nodes of a mesh", std::to_string(build.mesh_nodes)});
+  StereoRectification high = identity_rectification({40, 300});
   high.right.mesh.nodes(10, 2)[1] = kMeshScale * 60;
   high.right.mesh.nodes(20, 2)[1] = -kMeshScale * 60;
   high.right.line_buffer = line_buffer_need(high.right.mesh, {40, 300});
-  refused(p, high, {"right camera", "line buffer", std::to_string(build.line_rows)});
-  // Nothing of it has had an effect.
-  expect_equal(gateware, {p, unmoved(size), textured(size, 1, 1), ""});
+  expect_refused(p, high, {"right camera", "line buffer", std::to_string(build.line_rows)});
+  // The refused configurations have no effect.
+  expect_equal(gateware, {p, identity_rectification(size), textured_pairs(size, 1, 1), ""});
   gateware.write(spec::kRegWidth, build.max_width + 1);
   gateware.write(spec::kRegControl, spec::kControlApply.put(1));
   gateware.idle(8);
   EXPECT_EQ(gateware.read(spec::kRegErrors), spec::kErrorsConfig.mask());
-  const auto made = gateware.process(textured(size, 1, 1));
-  ASSERT_TRUE(made);
-  EXPECT_EQ((*made)[0].disparity.size(), size);
+  const auto frames = gateware.process(textured_pairs(size, 1, 1));
+  ASSERT_TRUE(frames);
+  EXPECT_EQ((*frames)[0].disparity.size(), size);
 }
 
 class RtlTopData : public DataTest {};
 
-TEST_F(RtlTopData, RealImages) {
+TEST_F(RtlTopData, EqualsSoftwareOnRealImages) {
   const auto part = [](const std::string& name, cv::Rect rect) {
     const MiddleburyPair pair = middlebury_pair(name);
     return RawPair{pair.left(rect), pair.right(rect)};
@@ -424,12 +427,13 @@ TEST_F(RtlTopData, RealImages) {
   const std::vector<std::pair<TopBuild, std::string>> scenes{
       {kSparse, "tsukuba"}, {kFull, "venus"}, {kOther, "cones"}};
   for (const auto& [build, scene] : scenes) {
-    Gateware gateware = open(build);
+    Gateware gateware = open_gateware(build);
     Parameters p = build.parameters;
     p.speckle_size = 200;
     if (scene == "cones") p.min_disparity = 20;
     const auto frames = expect_equal(
-        gateware, {p, unmoved(rect.size(), p.min_disparity), {part(scene, rect)}, scene});
+        gateware,
+        {p, identity_rectification(rect.size(), p.min_disparity), {part(scene, rect)}, scene});
     ASSERT_EQ(frames.size(), 1U);
     const int found = cv::countNonZero(frames[0].disparity != kNoDisparity);
     EXPECT_GT(found, rect.area() / 4) << scene;

@@ -1,7 +1,7 @@
 // Executes the host's requests on the register bus and answers them.
 //
 // Formula   link.md "Requests"
-// C++ twin  expected_answer() in test/rtl/system_rig.hpp
+// C++ twin  expect_answer() in test/rtl/system_test.cpp
 // Schedule  read   per address: its four bytes, the bus, then address and value into the answer
 //           write  per register: eight bytes, the bus; after the last one the answer
 //           mesh   as write, with MESH_ADDRESS first and MESH_DATA for every further word

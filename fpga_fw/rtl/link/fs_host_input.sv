@@ -4,7 +4,7 @@
 //           one's. Rows come in order, one per packet. Rows that are missing when a later row, the
 //           trailer, another leader or the end (no host, or INPUT back at the cameras) comes are
 //           filled in: one black pixel with eol per row, which fs_input pads and flags as cut.
-// C++ twin  HostInput test in test/rtl/system_input_test.cpp
+// C++ twin  send_pair() and RtlSystemInput in test/rtl/system_input_test.cpp
 // Schedule  leader  its 12 bytes
 //           row     width bytes into a buffer, then a pair of pixels for each further byte
 // Handshake In: packets of fs_packet_finder while packet_i is high; done_o ends a packet. Out: the
