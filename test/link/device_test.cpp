@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "link/session_rig.hpp"
-#include "sim/board_line.hpp"
+#include "sim/virtual_board/board_line.hpp"
 #include "support/compare.hpp"
 
 namespace fpga_stereo::test {
@@ -94,7 +94,7 @@ class Rig {
   std::atomic<int> identified{0};
 
  private:
-  sim::RawPair pair_ = SessionRig::pair(1);
+  sim::GreyPair pair_ = SessionRig::pair(1);
   cv::Mat1w expected_ = SessionRig::expected(pair_, SessionRig::setting(4));
   mutable std::mutex mutex_;
   int good_ = 0, wrong_ = 0;

@@ -1,5 +1,5 @@
 // What the injected faults do, exactly; and a board behind them.
-#include "sim/fault_injector.hpp"
+#include "sim/virtual_board/fault_injector.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "fpga_stereo/link/decoder.hpp"
 #include "link/session_rig.hpp"
-#include "sim/faulty_board.hpp"
+#include "sim/virtual_board/faulty_board.hpp"
 
 namespace fpga_stereo::test {
 namespace {
@@ -48,7 +48,7 @@ Bytes through(FaultInjector& injector, const Bytes& in) {
 /// One fault of a kind in ten packets.
 Bytes one(LineFault fault, std::uint64_t seed, std::uint64_t* done = nullptr) {
   FaultInjector injector({}, seed);
-  injector.add(fault, 1);
+  injector.inject(fault, 1);
   const Bytes out = through(injector, packets(10, 60000 / 10));
   if (done != nullptr) *done = injector.counts()[static_cast<std::size_t>(fault)];
   return out;
@@ -210,18 +210,18 @@ class FaultyBoardTest : public testing::Test {
   /// Says `size` bytes at once when asked, and takes what it is told to.
   struct Plain : sim::Board {
     void reset() override { ++resets; }
-    std::size_t from_host(const std::uint8_t* bytes, std::size_t size) override {
+    std::size_t receive(const std::uint8_t* bytes, std::size_t size) override {
       size = std::min(size, takes);
       got.insert(got.end(), bytes, bytes + size);
       return size;
     }
-    std::size_t to_host(std::uint8_t* bytes, std::size_t size) override {
+    std::size_t transmit(std::uint8_t* bytes, std::size_t size) override {
       size = std::min(size, has);
       std::fill_n(bytes, size, std::uint8_t{9});
       has -= size;
       return size;
     }
-    void feed(const sim::RawPair&) override {}
+    void feed(const sim::GreyPair&) override {}
     void run(std::chrono::microseconds) override {}
     int resets = 0;
     std::size_t takes = 1000, has = 0;
@@ -235,11 +235,11 @@ class FaultyBoardTest : public testing::Test {
   }
   std::size_t take(std::size_t size = 100000) {
     Bytes bytes(size);
-    return board->to_host(bytes.data(), size);
+    return board->transmit(bytes.data(), size);
   }
   std::size_t give(std::size_t size) {
     const Bytes bytes(size, 1);
-    return board->from_host(bytes.data(), size);
+    return board->receive(bytes.data(), size);
   }
 
   Plain* plain = nullptr;

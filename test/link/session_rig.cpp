@@ -33,7 +33,7 @@ SessionRig::Setting SessionRig::setting(unsigned seed, cv::Size size) {
   return made;
 }
 
-sim::RawPair SessionRig::pair(unsigned seed, cv::Size size) {
+sim::GreyPair SessionRig::pair(unsigned seed, cv::Size size) {
   const cv::Mat1b left = random_image(size, seed);
   cv::Mat1b right(size);
   for (int x = 0; x < size.width; ++x) {
@@ -42,7 +42,7 @@ sim::RawPair SessionRig::pair(unsigned seed, cv::Size size) {
   return {left, right};
 }
 
-cv::Mat1w SessionRig::expected(const sim::RawPair& pair, const Setting& setting) {
+cv::Mat1w SessionRig::expected(const sim::GreyPair& pair, const Setting& setting) {
   ReferencePipeline pipeline;
   return pipeline.process(pair.left, pair.right, setting.rectification, setting.parameters, 1)
       .disparity.clone();
@@ -75,12 +75,12 @@ void SessionRig::run(int ms) {
     waiting_.erase(waiting_.begin(), end);
     session.sent(out.size(), now, host);
     if (to_board) to_board(out);
-    if (line_open && !out.empty()) board.from_host(out.data(), out.size());
+    if (line_open && !out.empty()) board.receive(out.data(), out.size());
     Bytes in;
     for (std::size_t n = 1; n > 0;) {  // a ms has room for anything
       constexpr std::size_t kPortion = 16384;
       in.resize(in.size() + kPortion);
-      n = board.to_host(&in[in.size() - kPortion], kPortion);
+      n = board.transmit(&in[in.size() - kPortion], kPortion);
       in.resize(in.size() - kPortion + n);
     }
     if (to_host) to_host(in);

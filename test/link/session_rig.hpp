@@ -8,7 +8,7 @@
 
 #include "core/reference_pipeline.hpp"
 #include "fpga_stereo/link/session.hpp"
-#include "sim/software_board.hpp"
+#include "sim/virtual_board/software_board.hpp"
 
 namespace fpga_stereo::test {
 
@@ -27,9 +27,9 @@ class SessionRig {
     StereoRectification rectification;
   };
   static Setting setting(unsigned seed, cv::Size size = {64, 24});
-  static sim::RawPair pair(unsigned seed, cv::Size size = {64, 24});
+  static sim::GreyPair pair(unsigned seed, cv::Size size = {64, 24});
   /// What the software pipeline makes of it.
-  static cv::Mat1w expected(const sim::RawPair& pair, const Setting& setting);
+  static cv::Mat1w expected(const sim::GreyPair& pair, const Setting& setting);
 
   /// That setting with this tag, these streams.
   link::Wanted wanted(const Setting& setting, std::uint64_t tag, unsigned streams) const;
@@ -41,7 +41,7 @@ class SessionRig {
 
   sim::SoftwareBoard board;
   link::Session session;
-  std::vector<sim::RawPair> pairs;  // what the cameras see, in turns
+  std::vector<sim::GreyPair> pairs;  // what the cameras see, in turns
   int frame_ms = 20;
   std::size_t bytes_per_ms = 1 << 20;             // that the line takes from the host
   bool line_open = true;                          // false: nothing passes either way

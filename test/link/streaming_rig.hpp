@@ -58,7 +58,7 @@ class Streaming : public SessionRig {
   const std::vector<cv::Mat1w>& known_disparities(unsigned seed) {
     std::vector<cv::Mat1w>& known = known_[seed];
     if (known.empty()) {
-      for (const sim::RawPair& p : pairs) known.push_back(expected(p, setting(seed)));
+      for (const sim::GreyPair& p : pairs) known.push_back(expected(p, setting(seed)));
     }
     return known;
   }

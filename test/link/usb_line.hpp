@@ -4,7 +4,7 @@
 #include <atomic>
 
 #include "link/lines.hpp"
-#include "sim/virtual_ft232h.hpp"
+#include "sim/virtual_usb/virtual_ft232h.hpp"
 
 namespace fpga_stereo::test {
 
@@ -32,12 +32,12 @@ class UsbLine : public Line, private sim::FifoBackend {
   std::size_t waiting() const { return to_host_.size(); }
 
  private:
-  std::size_t from_host(const std::uint8_t* bytes, std::size_t size) override {
+  std::size_t receive(const std::uint8_t* bytes, std::size_t size) override {
     if (!listening_) return 0;
     from_host_.push(bytes, size);
     return size;
   }
-  std::size_t to_host(std::uint8_t* bytes, std::size_t size) override {
+  std::size_t transmit(std::uint8_t* bytes, std::size_t size) override {
     return to_host_.pop(bytes, size);
   }
 

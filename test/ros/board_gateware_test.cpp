@@ -8,7 +8,7 @@
 
 #include "ros/pty_board.hpp"
 #include "ros/rig.hpp"
-#include "sim/gateware_board.hpp"
+#include "sim/virtual_board/gateware_board.hpp"
 
 namespace fpga_stereo::test {
 namespace {

@@ -30,7 +30,7 @@ void PtyBoard::plug(bool plugged) {
 
 void PtyBoard::hold(bool held) { held_ = held; }
 
-void PtyBoard::watch(const sim::RawPair& pair, double rate) {
+void PtyBoard::watch(const sim::GreyPair& pair, double rate) {
   const std::lock_guard<std::mutex> lock(mutex_);
   pair_ = pair;
   rate_ = rate;

@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "sim/pty_port.hpp"
-#include "sim/software_board.hpp"
+#include "sim/virtual_board/pty_port.hpp"
+#include "sim/virtual_board/software_board.hpp"
 
 namespace fpga_stereo::test {
 
@@ -23,7 +23,7 @@ class PtyBoard {
   /// While held, no byte goes over the line.
   void hold(bool held);
   /// Its cameras see this pair, `rate` times a second; an empty one: nothing.
-  void watch(const sim::RawPair& pair, double rate = 20);
+  void watch(const sim::GreyPair& pair, double rate = 20);
   /// Of a board of software.
   std::uint32_t peek(std::uint32_t address);
   void reset();
@@ -35,7 +35,7 @@ class PtyBoard {
   sim::PtyPort port_;
   const std::unique_ptr<sim::Board> board_;
   sim::SoftwareBoard* software_ = nullptr;
-  sim::RawPair pair_;
+  sim::GreyPair pair_;
   double rate_ = 20;
   std::atomic<bool> stop_{false}, held_{false};
   std::thread thread_;

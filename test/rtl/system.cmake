@@ -26,6 +26,6 @@ if(TARGET rtl_system_test)
   target_include_directories(rtl_system_test SYSTEM PRIVATE
     $<TARGET_PROPERTY:rtl_system_models,INTERFACE_INCLUDE_DIRECTORIES>)
   target_link_libraries(rtl_system_test
-    rtl_system_models fpga_stereo_link fpga_stereo_simulation fpga_stereo_test_support)
+    rtl_system_models fpga_stereo_link fpga_stereo_simulated_gateware fpga_stereo_test_support)
   add_dependencies(rtl_system_test rtl_model_system)
 endif()

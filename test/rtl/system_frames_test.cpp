@@ -10,7 +10,7 @@ namespace fpga_stereo::test {
 namespace {
 
 using sim::Pixel;
-using sim::RawPair;
+using sim::GreyPair;
 using sim::SystemModel;
 
 constexpr std::uint64_t kFirstFrame = std::uint64_t{0xFFFFFFFF} << 32 | kLinkFirstFrame;
@@ -28,7 +28,7 @@ SystemModel::Flow make_flow(double camera, double tx = 1, unsigned seed = 1) {
 
 /// Expects that the rig received exactly the frames of `streams`, all good and equal to those of
 /// the reference pipeline, and removes them from the rig.
-void expect_good(SystemRig& rig, const std::vector<RawPair>& pairs, const Parameters& p,
+void expect_good(SystemRig& rig, const std::vector<GreyPair>& pairs, const Parameters& p,
                  const StereoRectification& rectification, std::uint32_t streams,
                  std::uint64_t first_id, std::uint32_t configuration) {
   ReferencePipeline pipeline;
@@ -74,7 +74,7 @@ TEST(RtlSystemFrames, EqualSoftwareInEveryStream) {
     rig.write(spec::kRegStreams, kAllStreams);
     const auto pairs = textured_pairs(size, 4, ++seed);
     rig.system().set_flow(make_flow(kSlowCamera, 1, seed));
-    for (const RawPair& pair : pairs) rig.system().feed(pair);
+    for (const GreyPair& pair : pairs) rig.system().feed(pair);
     rig.run_until_frames(5 * pairs.size());
     expect_good(rig, pairs, p, rectification, kAllStreams, id, ++configuration);
     id += pairs.size();
@@ -94,7 +94,7 @@ TEST(RtlSystemFrames, EqualSoftwareAtOnePixelPerClock) {
   const std::uint32_t streams = stream_bit(Stream::kDisparity);
   rig.write(spec::kRegStreams, streams);
   const auto pairs = textured_pairs(size, 5, 3);
-  for (const RawPair& pair : pairs) rig.system().feed(pair);
+  for (const GreyPair& pair : pairs) rig.system().feed(pair);
   rig.run_until_frames(pairs.size());
   expect_good(rig, pairs, p, distorted_rectification(size, 0.7), streams, kFirstFrame, 1);
 }
@@ -108,7 +108,7 @@ TEST(RtlSystemFrames, EqualSoftwareWhenTheLineStallsAtRandom) {
     rig.write(spec::kRegStreams, kAllStreams);
     const auto pairs = textured_pairs(size, 2, seed);
     rig.system().set_flow(make_flow(0.07 * seed, 0.25 + 0.2 * seed, seed));
-    for (const RawPair& pair : pairs) rig.system().feed(pair);
+    for (const GreyPair& pair : pairs) rig.system().feed(pair);
     // The board answers requests meanwhile.
     for (int i = 0; i < 5; ++i) EXPECT_EQ(rig.read(spec::kRegIdentity), spec::kRegIdentityReset);
     rig.run_until_frames(5 * pairs.size());
@@ -202,7 +202,7 @@ TEST(RtlSystemFrames, CarryTheIdOfTheConfigurationThatMadeThem) {
   SystemRig rig;
   const cv::Size size(48, 24);
   rig.write(spec::kRegStreams, kAllStreams);
-  std::vector<RawPair> pairs;
+  std::vector<GreyPair> pairs;
   std::vector<Parameters> pair_parameters;
   const StereoRectification rectification = identity_rectification(size);
   for (std::uint32_t i = 0; i < 5; ++i) {
@@ -213,7 +213,7 @@ TEST(RtlSystemFrames, CarryTheIdOfTheConfigurationThatMadeThem) {
     // Frames of the previous configuration are still in flight.
     rig.apply_configuration(p, rectification);
     rig.system().set_flow(make_flow(kSlowCamera, 1, i));
-    for (const RawPair& pair : textured_pairs(size, 2, i)) {
+    for (const GreyPair& pair : textured_pairs(size, 2, i)) {
       rig.system().feed(pair);
       pairs.push_back(pair);
       pair_parameters.push_back(p);

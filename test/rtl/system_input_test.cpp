@@ -8,7 +8,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-using sim::RawPair;
+using sim::GreyPair;
 
 const cv::Size kSize(37, 22);
 
@@ -20,7 +20,7 @@ struct HostPair {
 };
 
 /// Sends a pair from the host to the board's input.
-void send_pair(SystemRig& rig, const RawPair& pair, const HostPair& host_pair = {}) {
+void send_pair(SystemRig& rig, const GreyPair& pair, const HostPair& host_pair = {}) {
   Header header;
   header.stream = Stream::kInput;
   header.frame_id = host_pair.id;
@@ -54,7 +54,7 @@ class RtlSystemInput : public ::testing::Test {
     rig_.write(spec::kRegStreams, kAllStreams);
     rig_.write(spec::kRegInput, spec::kInputHost.put(1));
   }
-  void expect_good(const Assembled& frame, const RawPair& pair, const HostPair& host_pair) {
+  void expect_good(const Assembled& frame, const GreyPair& pair, const HostPair& host_pair) {
     const Taps& taps = pipeline_.process(pair.left, pair.right, rectification_, parameters_, 1);
     EXPECT_EQ(frame.verdict, Verdict::kGood) << frame.text();
     EXPECT_EQ(frame.frame_id, host_pair.id);
@@ -138,7 +138,7 @@ TEST_F(RtlSystemInput, PairsOfOneRowKeepTheirIds) {
 }
 
 TEST_F(RtlSystemInput, IgnoresRepeatedRows) {
-  const RawPair pair = textured_pairs(kSize, 1, 4)[0];
+  const GreyPair pair = textured_pairs(kSize, 1, 4)[0];
   HostPair host_pair;
   host_pair.copies = [](int y) { return y % 5 == 2 ? 2 : 1; };
   send_pair(rig_, pair, host_pair);
@@ -234,7 +234,7 @@ TEST_F(RtlSystemInput, FlagsPairsOfAnotherSizeThanConfigured) {
   send_pair(rig_, textured_pairs({kSize.width, kSize.height - 3}, 1, 1)[0]);
   HostPair good;
   good.id = 1;
-  const RawPair pair = textured_pairs(kSize, 1, 4)[0];
+  const GreyPair pair = textured_pairs(kSize, 1, 4)[0];
   send_pair(rig_, pair, good);
   rig_.run_until_frames(10);
   for (const Assembled& frame : rig_.frames) {

@@ -12,7 +12,7 @@
 
 #include "fpga_stereo/link/decoder.hpp"
 #include "fpga_stereo/link/frame_assembler.hpp"
-#include "sim/system.hpp"
+#include "sim/gateware/system.hpp"
 #include "top_rig.hpp"
 
 namespace fpga_stereo::test {
@@ -58,7 +58,7 @@ class SystemRig {
     header.sequence = sequence_++;
     std::vector<std::uint8_t> bytes;
     link::append_packet(header, payload.data(), payload.size(), bytes);
-    system_.from_host(bytes.data(), bytes.size());
+    system_.receive(bytes.data(), bytes.size());
     return bytes;
   }
   /// Skips sequence numbers, as if that many packets of the host had been lost.
@@ -151,7 +151,7 @@ class SystemRig {
   }
   void receive() {
     std::uint8_t bytes[4096];
-    while (const std::size_t size = system_.to_host(bytes, sizeof(bytes))) {
+    while (const std::size_t size = system_.transmit(bytes, sizeof(bytes))) {
       decoder_.push(bytes, size);
       while (const auto packet = decoder_.next()) sort(*packet);
     }
@@ -199,7 +199,7 @@ inline std::uint32_t stream_bit(Stream stream) { return 1U << static_cast<unsign
 constexpr std::uint32_t kAllStreams = 0x3E;
 
 /// Returns the image that the board must send in this stream for a pair.
-inline cv::Mat expected_image(Stream stream, const sim::RawPair& pair, const Taps& taps) {
+inline cv::Mat expected_image(Stream stream, const sim::GreyPair& pair, const Taps& taps) {
   switch (stream) {
     case Stream::kDisparity:
       return taps.disparity;

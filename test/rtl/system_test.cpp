@@ -127,7 +127,7 @@ TEST(RtlSystem, SendsPacketsWithTheBytesOfTheHostsEncoder) {
   rig.send_request(PacketType::kReadRegisters, {spec::kRegBuildClock});
   std::vector<std::uint8_t> bytes(200);
   for (int i = 0; i < 20; ++i) rig.system().run(100);
-  bytes.resize(rig.system().to_host(bytes.data(), bytes.size()));
+  bytes.resize(rig.system().transmit(bytes.data(), bytes.size()));
   // A heartbeat and the answer, in either order.
   std::vector<std::uint8_t> expected;
   link::Decoder decoder;
@@ -160,7 +160,7 @@ TEST(RtlSystem, CountsDamagedRequestsAndAnswersIntactOnes) {
     stream.insert(stream.end(), request.begin(), request.end());
   }
   // A silence ends the wait for a packet that a damaged header announced.
-  rig.system().from_host(stream.data(), stream.size());
+  rig.system().receive(stream.data(), stream.size());
   rig.run(40000);
   decoder.push(stream.data(), stream.size());
   std::size_t intact = 0;

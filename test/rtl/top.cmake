@@ -1,6 +1,6 @@
 # Tests of the whole pipeline (fs_top). build_model builds its models as shared objects, together
 # with the tests.
-set(sim ${PROJECT_SOURCE_DIR}/fpga_fw/sim)
+set(sim ${PROJECT_SOURCE_DIR}/fpga_fw/sim/gateware)
 set(models ${PROJECT_BINARY_DIR}/models)
 file(GLOB model_sources ${rtl}/*.sv ${sim}/model* ${sim}/build_model)
 file(GLOB link_sources ${rtl}/link/*.sv)
@@ -36,7 +36,7 @@ function(fpga_stereo_top_test target timeout source)
   if(TARGET ${target})
     fpga_stereo_target(${target})
     target_compile_definitions(${target} PRIVATE FPGA_STEREO_MODELS="${models}")
-    target_link_libraries(${target} fpga_stereo_simulation fpga_stereo_test_support)
+    target_link_libraries(${target} fpga_stereo_simulated_gateware fpga_stereo_test_support)
     if(ARGN)
       add_dependencies(${target} ${ARGN})
     endif()

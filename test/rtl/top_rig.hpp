@@ -12,7 +12,7 @@
 
 #include "core/reference_pipeline.hpp"
 #include "core/signature.hpp"
-#include "sim/gateware.hpp"
+#include "sim/gateware/gateware.hpp"
 #include "support/compare.hpp"
 #include "support/images.hpp"
 
@@ -82,7 +82,7 @@ inline StereoRectification distorted_rectification(cv::Size size, double strengt
 struct TopCase {
   Parameters parameters;
   StereoRectification rectification;
-  std::vector<sim::RawPair> pairs;
+  std::vector<sim::GreyPair> pairs;
   std::string about;
 };
 
@@ -95,7 +95,7 @@ struct Expected {
 inline Expected run_reference(const TopCase& c) {
   Expected expected;
   ReferencePipeline pipeline;
-  for (const sim::RawPair& pair : c.pairs) {
+  for (const sim::GreyPair& pair : c.pairs) {
     const Taps& taps = pipeline.process(pair.left, pair.right, c.rectification, c.parameters, 1);
     expected.disparities.push_back(taps.disparity.clone());
     if (&pair == &c.pairs.back()) expected.signatures = stage_signatures(taps, c.parameters);
@@ -118,7 +118,7 @@ inline std::string differing_stages(const std::array<std::uint32_t, kNumStages>&
 inline std::vector<sim::Frame> expect_equal(sim::Gateware& gateware, const TopCase& c,
                                             const sim::Flow& flow = {}) {
   SCOPED_TRACE(c.about);
-  const Status configured = gateware.configure(c.parameters, c.rectification);
+  const Status configured = gateware.apply(c.parameters, c.rectification);
   EXPECT_TRUE(configured) << configured.error().message;
   if (!configured) return {};
   const Expected expected = run_reference(c);
@@ -137,9 +137,9 @@ inline std::vector<sim::Frame> expect_equal(sim::Gateware& gateware, const TopCa
 }
 
 /// Returns pairs that show a textured slanted plane, so that some disparities pass the checks.
-inline std::vector<sim::RawPair> textured_pairs(cv::Size size, int count, unsigned seed,
+inline std::vector<sim::GreyPair> textured_pairs(cv::Size size, int count, unsigned seed,
                                                 double disparity = 4.2) {
-  std::vector<sim::RawPair> pairs;
+  std::vector<sim::GreyPair> pairs;
   for (int i = 0; i < count; ++i) {
     const SlantedPair pair = slanted_pair(size, Texture(seed + i), disparity + 0.3 * i, 0.01);
     pairs.push_back({pair.left, pair.right});

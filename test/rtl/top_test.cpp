@@ -12,7 +12,7 @@ namespace {
 using sim::Frame;
 using sim::Gateware;
 using sim::Pixel;
-using sim::RawPair;
+using sim::GreyPair;
 
 const TopBuild kSparse =
     top_build("sparse", "640_16_11_15_0_102_5120", 16, 11, CensusPattern::kSparse, 15);
@@ -30,8 +30,8 @@ class RtlTop : public ::testing::TestWithParam<TopBuild> {
 INSTANTIATE_TEST_SUITE_P(Builds, RtlTop, ::testing::Values(kSparse, kFull, kOther),
                          [](const auto& build) { return build.param.name; });
 
-std::vector<RawPair> noise_pairs(cv::Size size, int count, unsigned seed) {
-  std::vector<RawPair> pairs;
+std::vector<GreyPair> noise_pairs(cv::Size size, int count, unsigned seed) {
+  std::vector<GreyPair> pairs;
   for (int i = 0; i < count; ++i) {
     pairs.push_back({random_image(size, seed + 2 * i), random_image(size, seed + 2 * i + 1)});
   }
@@ -96,7 +96,7 @@ TEST_P(RtlTop, EqualsSoftwareAtManySizesBackToBack) {
 
 TEST_P(RtlTop, EqualsSoftwareOnExtremeImages) {
   const cv::Size size(41, 37);
-  std::vector<RawPair> pairs;
+  std::vector<GreyPair> pairs;
   for (const NamedImage& named : extreme_images(size, 5)) {
     pairs.push_back({named.image, named.image});
     pairs.push_back({named.image, 255 - named.image});
@@ -233,7 +233,7 @@ TEST_P(RtlTop, FlagsFramesThatAreCutOrTooLong) {
   const cv::Size size(34, 26);
   Gateware gateware = open_model();
   const TopCase c{parameters(), distorted_rectification(size, 1), textured_pairs(size, 1, 9), ""};
-  ASSERT_TRUE(gateware.configure(c.parameters, c.rectification));
+  ASSERT_TRUE(gateware.apply(c.parameters, c.rectification));
   const Expected expected = run_reference(c);
   const std::vector<Pixel> good = pixels(c.pairs);
   const auto without = [&](int first, int count) {
@@ -319,7 +319,7 @@ TEST_P(RtlTop, RecoversFromAResetInTheMiddleOfAFrame) {
   const TopCase c{parameters(), distorted_rectification(size, 1), textured_pairs(size, 2, 3), ""};
   const std::vector<Pixel> words = pixels(c.pairs);
   for (const int sent : {1, 36 * 9 + 5, 36 * 28 - 1, 36 * 40, 36 * 55}) {
-    ASSERT_TRUE(gateware.configure(c.parameters, c.rectification));
+    ASSERT_TRUE(gateware.apply(c.parameters, c.rectification));
     ASSERT_TRUE(gateware.stream({words.begin(), words.begin() + sent}, 0));
     gateware.reset(1 + sent % 3);
     EXPECT_EQ(gateware.read(spec::kRegStatus), spec::kRegStatusReset);
@@ -334,13 +334,13 @@ TEST_P(RtlTop, SignaturesIdentifyTheFirstStageThatDiffers) {
   Gateware gateware = open_model();
   const StereoRectification rectification = identity_rectification(size);
   // Grey values up to 128 leave headroom for brighter pixels.
-  const RawPair bright = textured_pairs(size, 1, 3)[0];
-  const std::vector<RawPair> pairs{{bright.left / 2, bright.right / 2}};
+  const GreyPair bright = textured_pairs(size, 1, 3)[0];
+  const std::vector<GreyPair> pairs{{bright.left / 2, bright.right / 2}};
   Parameters p = parameters();
   p.speckle_size = 0;
   const auto expected = run_reference({p, rectification, pairs, ""}).signatures;
-  const auto found = [&](const Parameters& given, const RawPair& pair) {
-    EXPECT_TRUE(gateware.configure(given, rectification));
+  const auto found = [&](const Parameters& given, const GreyPair& pair) {
+    EXPECT_TRUE(gateware.apply(given, rectification));
     EXPECT_TRUE(gateware.process({pair}));
     return differing_stages(expected, gateware.signatures());
   };
@@ -369,7 +369,7 @@ TEST_P(RtlTop, NamesWhatTheBuildDoesNotSupport) {
   Gateware gateware = open_model();
   const auto expect_refused = [&](const Parameters& p, const StereoRectification& r,
                                   const std::vector<std::string>& words) {
-    const Status status = gateware.configure(p, r);
+    const Status status = gateware.apply(p, r);
     ASSERT_FALSE(status) << words.front();
     for (const std::string& word : words) {
       EXPECT_NE(status.error().message.find(word), std::string::npos)
@@ -421,7 +421,7 @@ class RtlTopData : public DataTest {};
 TEST_F(RtlTopData, EqualsSoftwareOnRealImages) {
   const auto part = [](const std::string& name, cv::Rect rect) {
     const MiddleburyPair pair = middlebury_pair(name);
-    return RawPair{pair.left(rect), pair.right(rect)};
+    return GreyPair{pair.left(rect), pair.right(rect)};
   };
   const cv::Rect rect(90, 80, 171, 93);
   const std::vector<std::pair<TopBuild, std::string>> scenes{

@@ -3,7 +3,7 @@
 #include <iomanip>
 #include <iostream>
 
-#include "sim/gateware.hpp"
+#include "sim/gateware/gateware.hpp"
 #include "support/files.hpp"
 #include "support/models.hpp"
 #include "support/parameter_options.hpp"
@@ -57,7 +57,7 @@ struct Run {
 };
 
 Run run(sim::Gateware& gateware, const StereoJob& job, int copies) {
-  const std::vector<sim::RawPair> frames(copies, {job.left, job.right});
+  const std::vector<sim::GreyPair> frames(copies, {job.left, job.right});
   const std::int64_t clocks = gateware.clocks();
   const auto start = std::chrono::steady_clock::now();
   const auto made = gateware.process(frames);
@@ -119,7 +119,7 @@ void simulate(const Arguments& arguments) {
   require(opened);
   sim::Gateware gateware = std::move(*opened);
   if (!vcd.empty()) require(gateware.open_trace(vcd));
-  require(gateware.configure(job.parameters, job.rectification));
+  require(gateware.apply(job.parameters, job.rectification));
   constexpr int kCopies = 3;  // until frames follow each other as they always will
   const Run made = run(gateware, job, cycles ? kCopies : 1);
   write_result(job, made.frames.front().disparity);

@@ -21,7 +21,7 @@ const std::array<cv::Size, 3> kSizes{{{640, 480}, {752, 480}, {kGatewareMaxWidth
 std::string build_model_path() {
   const fs::path prefix =
       fs::read_symlink("/proc/self/exe").parent_path().parent_path().parent_path();
-  const fs::path installed = prefix / "share/fpga_stereo/fpga_fw/sim/build_model";
+  const fs::path installed = prefix / "share/fpga_stereo/fpga_fw/sim/gateware/build_model";
   const fs::path source = fs::path(FPGA_STEREO_SIM_DIR) / "build_model";
   for (const fs::path& path : {installed, source}) {
     if (fs::exists(path)) return path.string();

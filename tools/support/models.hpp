@@ -18,7 +18,7 @@ GatewareBuild smallest_build(const StereoJob& job, int line_rows);
 std::string default_models_folder();
 
 /// Path of the model of a build in `folder`. It is built first where it is not there, by `jobs`
-/// compilers at once; fpga_fw/sim/build_model says so on stderr.
+/// compilers at once; fpga_fw/sim/gateware/build_model says so on stderr.
 std::string model(const GatewareBuild& build, bool trace, const std::string& folder, int jobs);
 
 /// The same of a whole board, with its link: fs_system.

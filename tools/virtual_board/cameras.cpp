@@ -13,7 +13,7 @@
 namespace fpga_stereo::tools {
 namespace {
 
-void append(std::vector<sim::RawPair>& pairs, const cv::Mat1b& left, const cv::Mat1b& right,
+void append(std::vector<sim::GreyPair>& pairs, const cv::Mat1b& left, const cv::Mat1b& right,
             const std::string& what) {
   const cv::Size size = pairs.empty() ? left.size() : pairs[0].left.size();
   if (left.size() != size || right.size() != size) {
@@ -32,31 +32,31 @@ cv::Mat1b grey(const sensor_msgs::ImageConstPtr& message, const std::string& cam
 
 }  // namespace
 
-std::vector<sim::RawPair> read_image_pair(const std::string& left, const std::string& right) {
-  std::vector<sim::RawPair> pairs;
+std::vector<sim::GreyPair> read_image_pair(const std::string& left, const std::string& right) {
+  std::vector<sim::GreyPair> pairs;
   append(pairs, read_grey(left), read_grey(right), left + ", " + right);
   return pairs;
 }
 
-std::vector<sim::RawPair> read_folder(const std::string& folder, std::size_t most) {
+std::vector<sim::GreyPair> read_folder(const std::string& folder, std::size_t most) {
   const auto left = list_images("--folder", {folder + "/left"});
   const auto right = list_images("--folder", {folder + "/right"});
   if (left.size() != right.size()) {
     throw std::runtime_error(concat(folder, ": has ", left.size(), " left and ", right.size(),
                                     " right images: they must be pairs"));
   }
-  std::vector<sim::RawPair> pairs;
+  std::vector<sim::GreyPair> pairs;
   for (std::size_t i = 0; i < std::min(most, left.size()); ++i) {
     append(pairs, read_grey(left[i]), read_grey(right[i]), left[i]);
   }
   return pairs;
 }
 
-std::vector<sim::RawPair> read_bag(const std::string& path, const std::string& camera,
-                                   std::size_t most) {
+std::vector<sim::GreyPair> read_bag(const std::string& path, const std::string& camera,
+                                    std::size_t most) {
   const std::string left_topic = "/" + camera + "/left/image_raw";
   const std::string right_topic = "/" + camera + "/right/image_raw";
-  std::vector<sim::RawPair> pairs;
+  std::vector<sim::GreyPair> pairs;
   try {
     rosbag::Bag bag(path, rosbag::bagmode::Read);
     rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{left_topic, right_topic}));

@@ -1,8 +1,8 @@
 #include "virtual_board/engine.hpp"
 
 #include "fpga_stereo/core/parameters.hpp"
-#include "sim/gateware_board.hpp"
-#include "sim/software_board.hpp"
+#include "sim/virtual_board/gateware_board.hpp"
+#include "sim/virtual_board/software_board.hpp"
 #include "support/files.hpp"
 #include "support/models.hpp"
 #include "support/program.hpp"

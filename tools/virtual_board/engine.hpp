@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "sim/board.hpp"
+#include "sim/virtual_board/board.hpp"
 
 namespace fpga_stereo::tools {
 

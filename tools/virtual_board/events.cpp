@@ -181,7 +181,7 @@ bool Events::happen(const Event& event, double now, sim::FaultyBoard& board, Lin
       line.send_empty(event.amount);
       break;
     case What::kFault:
-      board.add(!event.to_board, event.fault, event.amount);
+      board.inject(!event.to_board, event.fault, event.amount);
       break;
     case What::kQuit:
       return false;

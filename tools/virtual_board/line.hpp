@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/faulty_board.hpp"
+#include "sim/virtual_board/faulty_board.hpp"
 
 namespace fpga_stereo::tools {
 

@@ -97,7 +97,7 @@ CommandLine command_line() {
   return line;
 }
 
-std::vector<sim::RawPair> read_cameras(const po::variables_map& options) {
+std::vector<sim::GreyPair> read_cameras(const po::variables_map& options) {
   const bool images = options.count("images") != 0;
   const bool folder = options.count("folder") != 0;
   const bool bag = options.count("bag") != 0;
@@ -228,7 +228,7 @@ class VirtualBoard {
     return milliseconds(static_cast<int>(std::ceil(ms)));
   }
 
-  const std::vector<sim::RawPair> pairs_;
+  const std::vector<sim::GreyPair> pairs_;
   const double rate_;
   Engine engine_;
   sim::FaultyBoard board_;

@@ -1,4 +1,4 @@
-#include "sim/pty_port.hpp"
+#include "sim/virtual_board/pty_port.hpp"
 #include "virtual_board/line.hpp"
 
 namespace fpga_stereo::tools {

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "sim/virtual_ft232h.hpp"
+#include "sim/virtual_usb/virtual_ft232h.hpp"
 #include "support/child.hpp"
 #include "support/interrupt.hpp"
 #include "virtual_board/line.hpp"
@@ -46,11 +46,11 @@ class UsbLine : public Line, private sim::FifoBackend {
   }
 
  private:
-  std::size_t from_host(const std::uint8_t* bytes, std::size_t size) override {
-    return board_.from_host(bytes, size);
+  std::size_t receive(const std::uint8_t* bytes, std::size_t size) override {
+    return board_.receive(bytes, size);
   }
-  std::size_t to_host(std::uint8_t* bytes, std::size_t size) override {
-    return board_.to_host(bytes, size);
+  std::size_t transmit(std::uint8_t* bytes, std::size_t size) override {
+    return board_.transmit(bytes, size);
   }
 
   sim::FaultyBoard& board_;

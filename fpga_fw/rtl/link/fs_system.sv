@@ -2,7 +2,7 @@
 //
 //   cameras -> fs_link -> fs_top -> fs_link -> words        bytes -> fs_link -> registers, pixels
 //
-// C++ twin  sim::SystemModel (fpga_fw/sim/system.hpp) simulates this module
+// C++ twin  sim::SystemModel (fpga_fw/sim/gateware/system.hpp) simulates this module
 // Handshake Streams. Only fs_top itself stalls the cameras' pixels: while a configuration takes
 //           effect, and if a frame follows another one too soon.
 // Limits    see fs_top, fs_link

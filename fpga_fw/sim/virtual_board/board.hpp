@@ -5,14 +5,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <opencv2/core.hpp>
+
+#include "sim/gateware/grey_pair.hpp"
 
 namespace fpga_stereo::sim {
-
-/// What a pair of cameras sees.
-struct RawPair {
-  cv::Mat1b left, right;
-};
 
 class Board {
  public:
@@ -21,11 +17,11 @@ class Board {
   /// As after power-on. Bytes that wait are lost.
   virtual void reset() = 0;
   /// Bytes of the host. How many were taken: a board that is busy holds the line up.
-  virtual std::size_t from_host(const std::uint8_t* bytes, std::size_t size) = 0;
+  virtual std::size_t receive(const std::uint8_t* bytes, std::size_t size) = 0;
   /// Takes bytes for the host: how many.
-  virtual std::size_t to_host(std::uint8_t* bytes, std::size_t size) = 0;
+  virtual std::size_t transmit(std::uint8_t* bytes, std::size_t size) = 0;
   /// The cameras deliver a pair. It is dropped where the board takes its images from the host.
-  virtual void feed(const RawPair& pair) = 0;
+  virtual void feed(const GreyPair& pair) = 0;
   /// Time passes.
   virtual void run(std::chrono::microseconds time) = 0;
 };

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "sim/usbfs_device.hpp"
+#include "sim/virtual_usb/usbfs_device.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -20,9 +20,9 @@ class FifoBackend {
  public:
   virtual ~FifoBackend() = default;
   /// Bytes from the host: how many were taken. The rest is offered again after poke().
-  virtual std::size_t from_host(const std::uint8_t* bytes, std::size_t size) = 0;
+  virtual std::size_t receive(const std::uint8_t* bytes, std::size_t size) = 0;
   /// Bytes for the host, up to `size`; 0: none yet, call poke() when there are.
-  virtual std::size_t to_host(std::uint8_t* bytes, std::size_t size) = 0;
+  virtual std::size_t transmit(std::uint8_t* bytes, std::size_t size) = 0;
 };
 
 class VirtualFt232h : private UsbfsDevice {

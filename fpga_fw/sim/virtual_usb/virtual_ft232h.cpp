@@ -1,4 +1,4 @@
-#include "sim/virtual_ft232h.hpp"
+#include "sim/virtual_usb/virtual_ft232h.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -272,7 +272,7 @@ bool VirtualFt232h::fetch(std::unique_lock<std::mutex>& lock) {
   staged_at_ = 0;
   std::vector<std::uint8_t> bytes(room - staged_.size());
   lock.unlock();
-  bytes.resize(backend_.to_host(bytes.data(), bytes.size()));
+  bytes.resize(backend_.transmit(bytes.data(), bytes.size()));
   lock.lock();
   // Unplugged or purged meanwhile: as good as lost in the cable.
   if (fifo_runs()) staged_.insert(staged_.end(), bytes.begin(), bytes.end());
@@ -330,7 +330,7 @@ bool VirtualFt232h::take(std::unique_lock<std::mutex>& lock) {
   const std::size_t taken =
       urb->bytes.size() == urb->taken
           ? 0
-          : backend_.from_host(urb->bytes.data() + urb->taken, urb->bytes.size() - urb->taken);
+          : backend_.receive(urb->bytes.data() + urb->taken, urb->bytes.size() - urb->taken);
   lock.lock();
   urb->busy = false;
   urb->taken += taken;

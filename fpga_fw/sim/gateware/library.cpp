@@ -1,4 +1,4 @@
-#include "sim/library.hpp"
+#include "sim/gateware/library.hpp"
 
 #include <dlfcn.h>
 

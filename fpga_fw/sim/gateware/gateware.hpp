@@ -16,8 +16,8 @@
 #include "fpga_stereo/core/parameters.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/core/spec.hpp"
-#include "sim/board.hpp"
-#include "sim/library.hpp"
+#include "sim/gateware/grey_pair.hpp"
+#include "sim/gateware/library.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -57,7 +57,7 @@ struct Counters {
 };
 
 /// The words of frames that follow each other.
-std::vector<Pixel> pixels(const std::vector<RawPair>& frames);
+std::vector<Pixel> pixels(const std::vector<GreyPair>& frames);
 
 class Gateware {
  public:
@@ -78,7 +78,7 @@ class Gateware {
 
   /// Writes everything; it takes effect when all frames in flight have come out. Refuses what
   /// check_build() does, and says which register does not hold what was written.
-  Status configure(const Parameters& parameters, const StereoRectification& rectification);
+  Status apply(const Parameters& parameters, const StereoRectification& rectification);
 
   /// Sends words, until they are taken and `num_frames` frames have come out. Gives these frames;
   /// those that stay in flight come with the next call. Fails where nothing moves for long, and
@@ -86,7 +86,7 @@ class Gateware {
   Result<std::vector<Frame>> stream(const std::vector<Pixel>& words, std::size_t num_frames,
                                     const Flow& flow = {});
   /// Sends frames, one behind the other, and gives what comes out for them.
-  Result<std::vector<Frame>> process(const std::vector<RawPair>& frames, const Flow& flow = {});
+  Result<std::vector<Frame>> process(const std::vector<GreyPair>& frames, const Flow& flow = {});
 
   /// Lets the clock run, with nothing offered and every disparity taken.
   void idle(int num_clocks);

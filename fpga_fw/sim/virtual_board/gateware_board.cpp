@@ -1,4 +1,4 @@
-#include "sim/gateware_board.hpp"
+#include "sim/virtual_board/gateware_board.hpp"
 
 #include <algorithm>
 
@@ -12,18 +12,18 @@ constexpr std::size_t kMostForHost = 4096;  // bytes of the host that wait at mo
 
 void GatewareBoard::reset() { model_.reset(); }
 
-std::size_t GatewareBoard::from_host(const std::uint8_t* bytes, std::size_t size) {
+std::size_t GatewareBoard::receive(const std::uint8_t* bytes, std::size_t size) {
   const std::size_t waiting = model_.bytes_left();
   const std::size_t taken = std::min(size, kMostForHost - std::min(waiting, kMostForHost));
-  model_.from_host(bytes, taken);
+  model_.receive(bytes, taken);
   return taken;
 }
 
-std::size_t GatewareBoard::to_host(std::uint8_t* bytes, std::size_t size) {
-  return model_.to_host(bytes, size);
+std::size_t GatewareBoard::transmit(std::uint8_t* bytes, std::size_t size) {
+  return model_.transmit(bytes, size);
 }
 
-void GatewareBoard::feed(const RawPair& pair) {
+void GatewareBoard::feed(const GreyPair& pair) {
   if (model_.pixels_left() == 0) model_.feed(pair);
 }
 

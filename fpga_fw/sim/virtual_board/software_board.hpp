@@ -12,7 +12,7 @@
 #include "fpga_stereo/link/decoder.hpp"
 #include "fpga_stereo/link/frame_assembler.hpp"
 #include "fpga_stereo/link/request.hpp"
-#include "sim/board.hpp"
+#include "sim/virtual_board/board.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -38,9 +38,9 @@ class SoftwareBoard : public Board {
   explicit SoftwareBoard(const Options& options);
 
   void reset() override;
-  std::size_t from_host(const std::uint8_t* bytes, std::size_t size) override;
-  std::size_t to_host(std::uint8_t* bytes, std::size_t size) override;
-  void feed(const RawPair& pair) override;
+  std::size_t receive(const std::uint8_t* bytes, std::size_t size) override;
+  std::size_t transmit(std::uint8_t* bytes, std::size_t size) override;
+  void feed(const GreyPair& pair) override;
   void run(std::chrono::microseconds time) override;
 
   std::uint32_t peek(std::uint32_t address) const;
@@ -50,7 +50,7 @@ class SoftwareBoard : public Board {
  private:
   /// What the pipeline made of a pair.
   struct Made {
-    RawPair raw;
+    GreyPair raw;
     cv::Mat1b left, right;
     cv::Mat1w disparity;
   };
@@ -62,9 +62,9 @@ class SoftwareBoard : public Board {
   void write(std::uint32_t address, std::uint32_t value);
   void apply();
   void take_input(const link::Packet& packet);
-  void frame(const RawPair& pair, std::uint64_t frame_id, std::uint64_t timestamp,
+  void frame(const GreyPair& pair, std::uint64_t frame_id, std::uint64_t timestamp,
              std::uint32_t flags);
-  const Made& make(const RawPair& pair);
+  const Made& make(const GreyPair& pair);
   void send(link::Stream stream, const cv::Mat& image, std::uint64_t frame_id,
             std::uint64_t timestamp, std::uint32_t flags);
   bool host_alive() const;

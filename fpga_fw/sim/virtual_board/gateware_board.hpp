@@ -1,8 +1,8 @@
 // A board whose gateware is the simulated one, link included.
 #pragma once
 
-#include "sim/board.hpp"
-#include "sim/system.hpp"
+#include "sim/gateware/system.hpp"
+#include "sim/virtual_board/board.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -12,10 +12,10 @@ class GatewareBoard : public Board {
   explicit GatewareBoard(SystemModel model) : model_(std::move(model)) {}
 
   void reset() override;
-  std::size_t from_host(const std::uint8_t* bytes, std::size_t size) override;
-  std::size_t to_host(std::uint8_t* bytes, std::size_t size) override;
+  std::size_t receive(const std::uint8_t* bytes, std::size_t size) override;
+  std::size_t transmit(std::uint8_t* bytes, std::size_t size) override;
   /// A pair that comes before the last one has gone in is not seen.
-  void feed(const RawPair& pair) override;
+  void feed(const GreyPair& pair) override;
   void run(std::chrono::microseconds time) override;
 
  private:

@@ -1,4 +1,4 @@
-#include "sim/software_board.hpp"
+#include "sim/virtual_board/software_board.hpp"
 
 #include <algorithm>
 
@@ -108,14 +108,14 @@ void SoftwareBoard::run(std::chrono::microseconds time) {
   if (time_us_ - last_byte_ > kSilence) {
     last_byte_ = time_us_;
     decoder_.give_up();
-    from_host(nullptr, 0);
+    receive(nullptr, 0);
   }
   if (!host_alive() || static_cast<std::int64_t>(time_us_ - next_heartbeat_) < 0) return;
   next_heartbeat_ = time_us_ + std::uint64_t{1000} * kHeartbeatMs;
   answer({}, PacketType::kHeartbeat, {});
 }
 
-std::size_t SoftwareBoard::from_host(const std::uint8_t* bytes, std::size_t size) {
+std::size_t SoftwareBoard::receive(const std::uint8_t* bytes, std::size_t size) {
   const link::Decoder::Counters before = decoder_.counters();
   if (size > 0) last_byte_ = time_us_;
   decoder_.push(bytes, size);
@@ -127,7 +127,7 @@ std::size_t SoftwareBoard::from_host(const std::uint8_t* bytes, std::size_t size
   return size;
 }
 
-std::size_t SoftwareBoard::to_host(std::uint8_t* bytes, std::size_t size) {
+std::size_t SoftwareBoard::transmit(std::uint8_t* bytes, std::size_t size) {
   const std::size_t n = std::min(size, waiting_.size() - taken_);
   std::copy_n(waiting_.begin() + static_cast<std::ptrdiff_t>(taken_), n, bytes);
   taken_ += n;
@@ -303,20 +303,20 @@ void SoftwareBoard::take_input(const Packet& packet) {
     }
     if (spec::kInputHost.get(registers_[spec::kRegInput]) == 0) continue;
     const int width = in.image.cols / 2;
-    const RawPair pair{in.image.colRange(0, width).clone(),
-                       in.image.colRange(width, 2 * width).clone()};
+    const GreyPair pair{in.image.colRange(0, width).clone(),
+                        in.image.colRange(width, 2 * width).clone()};
     frame(pair, in.frame_id, in.timestamp, 0);
   }
   pairs_in_.clear();
 }
 
-void SoftwareBoard::feed(const RawPair& pair) {
+void SoftwareBoard::feed(const GreyPair& pair) {
   const std::uint64_t id = next_frame_++;
   if (spec::kInputHost.get(registers_[spec::kRegInput]) != 0) return;
   frame(pair, id, time_us_ - spec::kMidExposureUs.get(registers_[spec::kRegMidExposure]), 0);
 }
 
-void SoftwareBoard::frame(const RawPair& pair, std::uint64_t frame_id, std::uint64_t timestamp,
+void SoftwareBoard::frame(const GreyPair& pair, std::uint64_t frame_id, std::uint64_t timestamp,
                           std::uint32_t flags) {
   ++registers_[spec::kRegFramesIn];
   ++registers_[spec::kRegFramesOut];
@@ -361,7 +361,7 @@ void SoftwareBoard::frame(const RawPair& pair, std::uint64_t frame_id, std::uint
   }
 }
 
-const SoftwareBoard::Made& SoftwareBoard::make(const RawPair& pair) {
+const SoftwareBoard::Made& SoftwareBoard::make(const GreyPair& pair) {
   for (const Made& made : made_) {
     if (made.raw.left.data == pair.left.data && made.raw.right.data == pair.right.data) return made;
   }

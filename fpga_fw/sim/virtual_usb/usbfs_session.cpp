@@ -1,5 +1,5 @@
 // The ioctls of usbfs (the kernel's drivers/usb/core/devio.c), as far as libusb asks for them.
-#include "sim/usbfs_session.hpp"
+#include "sim/virtual_usb/usbfs_session.hpp"
 
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <vector>
 
-#include "sim/board.hpp"
-#include "sim/fault_injector.hpp"
+#include "sim/virtual_board/board.hpp"
+#include "sim/virtual_board/fault_injector.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -31,13 +31,13 @@ class FaultyBoard : public Board {
   FaultyBoard(std::unique_ptr<Board> board, const Options& options);
 
   void reset() override;
-  std::size_t from_host(const std::uint8_t* bytes, std::size_t size) override;
-  std::size_t to_host(std::uint8_t* bytes, std::size_t size) override;
-  void feed(const RawPair& pair) override;
+  std::size_t receive(const std::uint8_t* bytes, std::size_t size) override;
+  std::size_t transmit(std::uint8_t* bytes, std::size_t size) override;
+  void feed(const GreyPair& pair) override;
   void run(std::chrono::microseconds time) override;
 
   /// So many faults of a kind among the next bytes.
-  void add(bool to_host, LineFault fault, int count);
+  void inject(bool to_host, LineFault fault, int count);
   /// Nothing passes, for so long.
   void stall(std::chrono::microseconds time);
   /// The board is reset in the middle of what it sends next; after a second without any, then.

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "fpga_stereo/core/result.hpp"
-#include "sim/model.hpp"
+#include "sim/gateware/model.hpp"
 
 namespace fpga_stereo::sim {
 

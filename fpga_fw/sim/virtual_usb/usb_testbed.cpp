@@ -1,4 +1,4 @@
-#include "sim/usb_testbed.hpp"
+#include "sim/virtual_usb/usb_testbed.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,9 +1,9 @@
-#include "sim/gateware.hpp"
+#include "sim/gateware/gateware.hpp"
 
 #include <sstream>
 #include <utility>
 
-#include "sim/chance.hpp"
+#include "sim/gateware/chance.hpp"
 
 namespace fpga_stereo::sim {
 namespace {
@@ -19,9 +19,9 @@ std::string concat(const Parts&... parts) {
 
 }  // namespace
 
-std::vector<Pixel> pixels(const std::vector<RawPair>& frames) {
+std::vector<Pixel> pixels(const std::vector<GreyPair>& frames) {
   std::vector<Pixel> words;
-  for (const RawPair& frame : frames) {
+  for (const GreyPair& frame : frames) {
     CV_Assert(frame.left.size() == frame.right.size());
     for (int y = 0; y < frame.left.rows; ++y) {
       for (int x = 0; x < frame.left.cols; ++x) {
@@ -108,7 +108,7 @@ void Gateware::idle(int num_clocks) {
   for (int i = 0; i < num_clocks; ++i) clock(in);
 }
 
-Status Gateware::configure(const Parameters& parameters, const StereoRectification& rectification) {
+Status Gateware::apply(const Parameters& parameters, const StereoRectification& rectification) {
   const auto made = make_gateware_configuration(build_, parameters, rectification);
   if (!made) return made.error();
   const std::vector<RegisterWrite> writes = made->writes();
@@ -249,7 +249,8 @@ Result<std::vector<Frame>> Gateware::stream(const std::vector<Pixel>& words, std
   return std::exchange(done_, {});
 }
 
-Result<std::vector<Frame>> Gateware::process(const std::vector<RawPair>& frames, const Flow& flow) {
+Result<std::vector<Frame>> Gateware::process(const std::vector<GreyPair>& frames,
+                                             const Flow& flow) {
   return stream(pixels(frames), frames.size(), flow);
 }
 

@@ -1,4 +1,4 @@
-#include "sim/board_line.hpp"
+#include "sim/virtual_board/board_line.hpp"
 
 #include <thread>
 
@@ -21,7 +21,7 @@ class BoardLine::Line : public Transport {
         const std::lock_guard<std::mutex> lock(owner_.mutex_);
         if (!owner_.plugged_) return gone();
         owner_.pass_time();
-        const std::size_t n = owner_.held_ ? 0 : owner_.board_->to_host(bytes, size);
+        const std::size_t n = owner_.held_ ? 0 : owner_.board_->transmit(bytes, size);
         counters_.bytes_in += n;
         if (n > 0 || std::chrono::steady_clock::now() >= deadline) return n;
       }
@@ -32,7 +32,7 @@ class BoardLine::Line : public Transport {
     if (timeout <= Timeout{0}) return std::size_t{0};  // as over USB: cancelled before it is sent
     const std::lock_guard<std::mutex> lock(owner_.mutex_);
     if (!owner_.plugged_) return gone();
-    const std::size_t n = owner_.held_ ? size : owner_.board_->from_host(bytes, size);
+    const std::size_t n = owner_.held_ ? size : owner_.board_->receive(bytes, size);
     counters_.bytes_out += n;
     return n;
   }
@@ -76,7 +76,7 @@ void BoardLine::hold(bool held) {
   held_ = held;
 }
 
-void BoardLine::feed(const RawPair& pair) {
+void BoardLine::feed(const GreyPair& pair) {
   const std::lock_guard<std::mutex> lock(mutex_);
   pass_time();
   board_->feed(pair);

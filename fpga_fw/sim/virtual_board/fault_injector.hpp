@@ -49,7 +49,7 @@ class FaultInjector {
   bool waiting() const { return !held_.empty() || !swapped_.empty(); }
 
   /// So many of these, beside the rates, among the next bytes: one in 4 KiB on average.
-  void add(LineFault fault, int count);
+  void inject(LineFault fault, int count);
 
   /// What was done since the start.
   const Counts& counts() const { return counts_; }
@@ -59,7 +59,7 @@ class FaultInjector {
     double rate = 0;
     std::mt19937_64 random;
     std::int64_t left = 0;   // bytes up to the next fault
-    int extra = 0;           // of add()
+    int extra = 0;           // of inject()
     bool scheduled = false;  // `left` means something
   };
   Source& source(LineFault fault) { return sources_[static_cast<std::size_t>(fault)]; }

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "fpga_stereo/link/transport.hpp"
-#include "sim/board.hpp"
+#include "sim/virtual_board/board.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -21,7 +21,7 @@ class BoardLine {
   void plug(bool plugged);
   /// Held: nothing passes, and the transport knows of nothing.
   void hold(bool held);
-  void feed(const RawPair& pair);
+  void feed(const GreyPair& pair);
   void reset_board();
   /// How often each step of recovery was asked for.
   int recovered(link::Recovery step) const;

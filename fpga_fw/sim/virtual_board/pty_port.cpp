@@ -1,4 +1,4 @@
-#include "sim/pty_port.hpp"
+#include "sim/virtual_board/pty_port.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -101,7 +101,7 @@ bool PtyPort::move_from_host(Board& board) {
     from_host_.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
   }
   if (from_host_.empty()) return false;
-  const std::size_t taken = board.from_host(from_host_.data(), from_host_.size());
+  const std::size_t taken = board.receive(from_host_.data(), from_host_.size());
   from_host_.erase(from_host_.begin(), from_host_.begin() + static_cast<std::ptrdiff_t>(taken));
   return taken > 0;
 }
@@ -109,7 +109,7 @@ bool PtyPort::move_from_host(Board& board) {
 bool PtyPort::move_to_host(Board& board) {
   if (to_host_.empty()) {
     to_host_.resize(kChunk);
-    to_host_.resize(board.to_host(to_host_.data(), to_host_.size()));
+    to_host_.resize(board.transmit(to_host_.data(), to_host_.size()));
   }
   if (to_host_.empty()) return false;
   const ssize_t went = write(master_, to_host_.data(), to_host_.size());

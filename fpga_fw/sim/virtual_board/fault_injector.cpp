@@ -1,4 +1,4 @@
-#include "sim/fault_injector.hpp"
+#include "sim/virtual_board/fault_injector.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr std::array<const char*, kNumLineFaults> kNames{
     "flip", "drop", "insert", "double", "lose", "repeat", "swap", "truncate", "garbage"};
 constexpr auto kFirstOfPackets = static_cast<std::size_t>(LineFault::kLose);
 constexpr double kRateBytes = 1 << 20;
-constexpr double kExtraBytes = 4096;  // between two faults of add()
+constexpr double kExtraBytes = 4096;  // between two faults of inject()
 constexpr std::size_t kMostGarbage = 600;
 
 }  // namespace
@@ -50,7 +50,7 @@ void FaultInjector::strike(LineFault fault) {
   schedule(hit);
 }
 
-void FaultInjector::add(LineFault fault, int count) {
+void FaultInjector::inject(LineFault fault, int count) {
   Source& chosen = source(fault);
   chosen.extra += count;
   schedule(chosen);

@@ -1,4 +1,4 @@
-#include "sim/faulty_board.hpp"
+#include "sim/virtual_board/faulty_board.hpp"
 
 #include <algorithm>
 
@@ -32,7 +32,7 @@ void FaultyBoard::reset_board() {
   ++counts_.resets;
 }
 
-std::size_t FaultyBoard::from_host(const std::uint8_t* bytes, std::size_t size) {
+std::size_t FaultyBoard::receive(const std::uint8_t* bytes, std::size_t size) {
   const std::lock_guard lock(mutex_);
   if (stalled() || in_.size() > kMostIn) return 0;
   silence_in_ = microseconds{0};
@@ -44,11 +44,11 @@ std::size_t FaultyBoard::from_host(const std::uint8_t* bytes, std::size_t size) 
 
 void FaultyBoard::deliver() {
   if (in_.empty()) return;
-  const std::size_t taken = board_->from_host(in_.data(), in_.size());
+  const std::size_t taken = board_->receive(in_.data(), in_.size());
   in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(taken));
 }
 
-std::size_t FaultyBoard::to_host(std::uint8_t* bytes, std::size_t size) {
+std::size_t FaultyBoard::transmit(std::uint8_t* bytes, std::size_t size) {
   const std::lock_guard lock(mutex_);
   if (stalled()) return 0;
   if (options_.bytes_per_s > 0) size = std::min(size, static_cast<std::size_t>(allowance_));
@@ -70,7 +70,7 @@ std::size_t FaultyBoard::to_host(std::uint8_t* bytes, std::size_t size) {
 /// From the board, through the faults: how many bytes it gave.
 std::size_t FaultyBoard::fetch(std::size_t size) {
   std::vector<std::uint8_t> bytes(size);
-  std::size_t came = board_->to_host(bytes.data(), bytes.size());
+  std::size_t came = board_->transmit(bytes.data(), bytes.size());
   if (came == 0) return 0;
   silence_out_ = microseconds{0};
   if (reset_in_.count() > 0) {
@@ -81,7 +81,7 @@ std::size_t FaultyBoard::fetch(std::size_t size) {
   return came;
 }
 
-void FaultyBoard::feed(const RawPair& pair) {
+void FaultyBoard::feed(const GreyPair& pair) {
   const std::lock_guard lock(mutex_);
   ++counts_.pairs;
   board_->feed(pair);
@@ -104,9 +104,9 @@ void FaultyBoard::run(microseconds time) {
   if (reset_in_.count() > 0 && (reset_in_ -= time).count() <= 0) reset_board();
 }
 
-void FaultyBoard::add(bool to_host, LineFault fault, int count) {
+void FaultyBoard::inject(bool to_host, LineFault fault, int count) {
   const std::lock_guard lock(mutex_);
-  (to_host ? to_host_ : from_host_).add(fault, count);
+  (to_host ? to_host_ : from_host_).inject(fault, count);
 }
 
 void FaultyBoard::stall(microseconds time) {
@@ -127,7 +127,8 @@ void FaultyBoard::discard() {
   out_at_ = 0;
   to_host_.clear();
   std::vector<std::uint8_t> bytes(kDiscard);
-  while (const std::size_t came = board_->to_host(bytes.data(), bytes.size())) counts_.lost += came;
+  while (const std::size_t came = board_->transmit(bytes.data(), bytes.size()))
+    counts_.lost += came;
 }
 
 void FaultyBoard::cut() {

@@ -1,4 +1,4 @@
-#include "sim/usbfs_device.hpp"
+#include "sim/virtual_usb/usbfs_device.hpp"
 
 #include <umockdev.h>
 
@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/usb_testbed.hpp"
-#include "sim/usbfs_session.hpp"
+#include "sim/virtual_usb/usb_testbed.hpp"
+#include "sim/virtual_usb/usbfs_session.hpp"
 
 namespace fpga_stereo::sim {
 

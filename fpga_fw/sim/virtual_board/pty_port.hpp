@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/board.hpp"
+#include "sim/virtual_board/board.hpp"
 
 namespace fpga_stereo::sim {
 

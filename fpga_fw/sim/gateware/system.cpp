@@ -1,4 +1,4 @@
-#include "sim/system.hpp"
+#include "sim/gateware/system.hpp"
 
 #include <algorithm>
 
@@ -47,11 +47,11 @@ void SystemModel::reset(int num_clocks) {
   rx_offered_ = camera_offered_ = false;
 }
 
-void SystemModel::from_host(const std::uint8_t* bytes, std::size_t size) {
+void SystemModel::receive(const std::uint8_t* bytes, std::size_t size) {
   rx_.insert(rx_.end(), bytes, bytes + size);
 }
 
-std::size_t SystemModel::to_host(std::uint8_t* bytes, std::size_t size) {
+std::size_t SystemModel::transmit(std::uint8_t* bytes, std::size_t size) {
   const auto count = static_cast<std::ptrdiff_t>(std::min(size, tx_.size()));
   std::copy_n(tx_.begin(), count, bytes);
   tx_.erase(tx_.begin(), tx_.begin() + count);

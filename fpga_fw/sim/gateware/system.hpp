@@ -11,9 +11,9 @@
 
 #include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/result.hpp"
-#include "sim/chance.hpp"
-#include "sim/gateware.hpp"
-#include "sim/library.hpp"
+#include "sim/gateware/chance.hpp"
+#include "sim/gateware/gateware.hpp"
+#include "sim/gateware/library.hpp"
 
 namespace fpga_stereo::sim {
 
@@ -41,12 +41,12 @@ class SystemModel {
   void reset(int num_clocks = 4);
 
   /// Bytes that the host sends; they go in as the clock runs.
-  void from_host(const std::uint8_t* bytes, std::size_t size);
+  void receive(const std::uint8_t* bytes, std::size_t size);
   /// Takes bytes that the board has sent: how many, 0 to `size`.
-  std::size_t to_host(std::uint8_t* bytes, std::size_t size);
+  std::size_t transmit(std::uint8_t* bytes, std::size_t size);
 
   /// A pair of images that the cameras see; its pixels come behind those fed before.
-  void feed(const RawPair& pair) { feed(pixels({pair})); }
+  void feed(const GreyPair& pair) { feed(pixels({pair})); }
   void feed(const std::vector<Pixel>& words);
 
   /// Lets the clock run, `max_clocks` at most, up to the first pause behind something that has left

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/usbfs_device.hpp"
+#include "sim/virtual_usb/usbfs_device.hpp"
 
 struct _UMockdevTestbed;
 struct _UMockdevIoctlBase;

@@ -15,7 +15,7 @@
 #include <string>
 #include <utility>
 
-#include "sim/usbfs_device.hpp"
+#include "sim/virtual_usb/usbfs_device.hpp"
 
 struct _UMockdevIoctlBase;
 
