@@ -23,21 +23,21 @@ module shadow_swap #(
 );
   localparam int MaxFrames = 8;
   localparam int FrameBits = $clog2(MaxFrames);
+  logic [fs_pkg::ConfigBits-1:0] active;
   logic [11:0] width, height, read_pixels;
-  logic [7:0] read_rows, disp12_max_diff;
-  logic [9:0] uniqueness, speckle_size, speckle_range;
-  logic left_right_check, uniqueness_check, subpixel, pending, apply, bank;
+  logic [7:0] read_rows;
+  assign width = active[fs_pkg::ConfigWidthPixelsLsb+:12];
+  assign height = active[fs_pkg::ConfigHeightRowsLsb+:12];
+  assign read_pixels = active[fs_pkg::ConfigReadStartPixelsLsb+:12];
+  assign read_rows = active[fs_pkg::ConfigReadStartRowsLsb+:8];
+  logic pending, apply, bank;
   logic mesh_we, mesh_right, read_valid;
   logic [3:0] mesh_node;
   logic [31:0] mesh_data, data;
   logic busy, frame_in, frame_bad, cut_frame, long_frame;
   fs_registers #(.MaxWidth(MaxWidth), .LineRows(LineRows), .MeshNodes(16)) u_registers (
     .clk_i, .rst_ni, .write_i, .read_i(1'b0), .address_i, .data_i, .read_valid_o(read_valid),
-    .data_o(data), .width_o(width), .height_o(height), .read_pixels_o(read_pixels),
-    .read_rows_o(read_rows), .left_right_check_o(left_right_check),
-    .uniqueness_check_o(uniqueness_check), .subpixel_o(subpixel),
-    .disp12_max_diff_o(disp12_max_diff), .uniqueness_o(uniqueness), .speckle_size_o(speckle_size),
-    .speckle_range_o(speckle_range), .pending_o(pending), .apply_i(apply),
+    .data_o(data), .config_o(active), .pending_o(pending), .apply_i(apply),
     .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
     .mesh_data_o(mesh_data), .bank_o(bank),
     .busy_i(busy), .frame_in_i(frame_in), .frame_out_i, .cut_frame_i(cut_frame),
@@ -54,7 +54,7 @@ module shadow_swap #(
     .apply_i(pending), .apply_o(apply), .busy_o(busy), .cut_frame_o(cut_frame),
     .long_frame_o(long_frame)
   );
-  (* hierconn *) wire [255:0] \u_registers.shadow_q , \u_registers.active_q ;
+  (* hierconn *) wire [fs_pkg::ConfigBits-1:0] \u_registers.shadow_q , \u_registers.active_q ;
   (* hierconn *) wire \u_registers.pending_q , \u_registers.check_q , \u_registers.ok ;
   (* hierconn *) wire \u_registers.written_q ;
   (* hierconn *) wire \u_input.frame_q , \u_input.idle_q , \u_input.full_q ;
@@ -84,18 +84,17 @@ module shadow_swap #(
   assign in_flight = complete_q != '0 | ended | \u_input.frame_q | begins;
 
   // Everything that the stages see of the configuration.
-  logic [97:0] all, all_q;
-  assign all = {width, height, read_pixels, read_rows, left_right_check, uniqueness_check, subpixel,
-                disp12_max_diff, uniqueness, speckle_size, speckle_range, bank};
-  logic [255:0] asked_q, shadow_q;  // at the write of CONTROL.apply; a clock ago
+  logic [fs_pkg::ConfigBits:0] all, all_q;
+  assign all = {active, bank};
+  logic [fs_pkg::ConfigBits-1:0] asked_q, shadow_q;  // at the write of CONTROL.apply; a clock ago
   logic asks, apply_q, pending_q, reset_q, written_q, bank_q;
   assign asks = write_i & address_i == fs_pkg::RegControl & data_i[fs_pkg::ControlApplyLsb];
   logic [11:0] shadow_width, shadow_height, shadow_pixels;
   logic [7:0] shadow_rows;
-  assign shadow_width = \u_registers.shadow_q [fs_pkg::WidthPixelsLsb+:12];
-  assign shadow_height = \u_registers.shadow_q [32+fs_pkg::HeightRowsLsb+:12];
-  assign shadow_pixels = \u_registers.shadow_q [64+fs_pkg::ReadStartPixelsLsb+:12];
-  assign shadow_rows = \u_registers.shadow_q [64+fs_pkg::ReadStartRowsLsb+:8];
+  assign shadow_width = \u_registers.shadow_q [fs_pkg::ConfigWidthPixelsLsb+:12];
+  assign shadow_height = \u_registers.shadow_q [fs_pkg::ConfigHeightRowsLsb+:12];
+  assign shadow_pixels = \u_registers.shadow_q [fs_pkg::ConfigReadStartPixelsLsb+:12];
+  assign shadow_rows = \u_registers.shadow_q [fs_pkg::ConfigReadStartRowsLsb+:8];
   logic in_range;
   assign in_range = shadow_width >= 12'd16 & shadow_width <= 12'(MaxWidth) &
                     shadow_height >= 12'd1 & shadow_height <= 12'd1200 &

@@ -16,27 +16,24 @@ module fs_check #(
   parameter int SumBits = 13,
   localparam int DBits = $clog2(Disparities)
 ) (
-  input  logic                 clk_i,
-  input  logic                 rst_ni,
-  input  logic                 en_i,
-  input  logic                 left_right_check_i,
-  input  logic                 uniqueness_check_i,
-  input  logic [7:0]           disp12_max_diff_i,
-  input  logic [9:0]           uniqueness_i,
-  input  logic                 valid_i,
-  input  logic                 sof_i,
-  input  logic                 sol_i,
-  input  logic [DBits-1:0]     winner_i,
-  input  logic [DBits-1:0]     right_winner_i,
-  input  logic [SumBits-1:0]   winner_sum_i,
-  input  logic [SumBits-1:0]   runner_up_sum_i,
-  input  logic [5*SumBits-1:0] around_i,
-  output logic                 valid_o,
-  output logic                 sof_o,
-  output logic                 sol_o,
-  output logic                 kept_o,
-  output logic [DBits-1:0]     winner_o,
-  output logic [5*SumBits-1:0] around_o
+  input  logic                          clk_i,
+  input  logic                          rst_ni,
+  input  logic                          en_i,
+  input  logic [fs_pkg::ConfigBits-1:0] config_i,
+  input  logic                          valid_i,
+  input  logic                          sof_i,
+  input  logic                          sol_i,
+  input  logic [DBits-1:0]              winner_i,
+  input  logic [DBits-1:0]              right_winner_i,
+  input  logic [SumBits-1:0]            winner_sum_i,
+  input  logic [SumBits-1:0]            runner_up_sum_i,
+  input  logic [5*SumBits-1:0]          around_i,
+  output logic                          valid_o,
+  output logic                          sof_o,
+  output logic                          sol_o,
+  output logic                          kept_o,
+  output logic [DBits-1:0]              winner_o,
+  output logic [5*SumBits-1:0]          around_o
 );
   localparam int LatencyRows = 0;
   localparam int LatencyTicks = 3;
@@ -45,6 +42,14 @@ module fs_check #(
   if (Disparities < 2 || Disparities > 128 || SumBits > 17)
     initial $fatal(1, "fs_check: Disparities %0d, SumBits %0d, allowed: 2 to 128, up to 17",
                    Disparities, SumBits);
+
+  logic left_right_check, uniqueness_check;
+  logic [7:0] disp12_max_diff;
+  logic [9:0] uniqueness;
+  assign left_right_check = config_i[fs_pkg::ConfigFlagsLeftRightCheckLsb];
+  assign uniqueness_check = config_i[fs_pkg::ConfigFlagsUniquenessCheckLsb];
+  assign disp12_max_diff = config_i[fs_pkg::ConfigDisp12MaxDiffPixelsLsb+:8];
+  assign uniqueness = config_i[fs_pkg::ConfigUniquenessFactorLsb+:10];
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
@@ -77,26 +82,26 @@ module fs_check #(
       from_q <= at_q - winner_i;
       next_column_q <= &column ? column : column + 1'b1;
       seen1_q <= winner_i <= column;
-      product_q <= ProductBits'(uniqueness_i) * ProductBits'(winner_sum_i);
+      product_q <= ProductBits'(uniqueness) * ProductBits'(winner_sum_i);
       runner_up_sum_q <= runner_up_sum_i;
       winner1_q <= winner_i;
       around1_q <= around_i;
 
       right_winner_q <= right_winners[from_q];
       seen2_q <= seen1_q;
-      highest_q <= 10'(winner1_q) + 10'(disp12_max_diff_i);
-      lowest_q <= 10'(winner1_q) - 10'(disp12_max_diff_i);
+      highest_q <= 10'(winner1_q) + 10'(disp12_max_diff);
+      lowest_q <= 10'(winner1_q) - 10'(disp12_max_diff);
       unique_q <= ProductBits'(runner_up_sum_q) > (product_q >> FactorBits);
       winner2_q <= winner1_q;
       around2_q <= around1_q;
 
-      kept_o <= (!left_right_check_i || (seen2_q && !below_highest[9] && !above_lowest[9])) &&
-                (!uniqueness_check_i || unique_q);
+      kept_o <= (!left_right_check || (seen2_q && !below_highest[9] && !above_lowest[9])) &&
+                (!uniqueness_check || unique_q);
       winner_o <= winner2_q;
       around_o <= around2_q;
     end
   end
 
-  logic unused;  // only the signs are used
-  assign unused = ^{below_highest[8:0], above_lowest[8:0]};
+  logic unused;  // only the signs of the differences are used
+  assign unused = ^{below_highest[8:0], above_lowest[8:0], config_i};
 endmodule

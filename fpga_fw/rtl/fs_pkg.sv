@@ -348,5 +348,27 @@ package fs_pkg;
   // INPUT_ERRORS (ro): pairs from the host that lacked rows or a trailer, since CONTROL.clear
   localparam logic [7:0] RegInputErrors = 8'h6A;
   localparam logic [31:0] RegInputErrorsReset = 32'h00000000;
+
+  // The configuration as one vector: its registers side by side, WIDTH lowest. Where each field
+  // begins; its width is that of the field.
+  localparam int ConfigWords = 8;
+  localparam int ConfigBits = 256;
+  localparam logic [255:0] ConfigMask = {  // bits that lie in a field
+      32'h000003FF, 32'h000003FF, 32'h000003FF, 32'h000000FF, 32'h00000007, 32'h00FF0FFF,
+      32'h00000FFF, 32'h00000FFF};
+  localparam logic [255:0] ConfigReset = {
+      RegSpeckleRangeReset, RegSpeckleSizeReset, RegUniquenessReset, RegDisp12MaxDiffReset,
+      RegFlagsReset, RegReadStartReset, RegHeightReset, RegWidthReset};
+  localparam int ConfigWidthPixelsLsb = 0;
+  localparam int ConfigHeightRowsLsb = 32;
+  localparam int ConfigReadStartPixelsLsb = 64;
+  localparam int ConfigReadStartRowsLsb = 80;
+  localparam int ConfigFlagsLeftRightCheckLsb = 96;
+  localparam int ConfigFlagsUniquenessCheckLsb = 97;
+  localparam int ConfigFlagsSubpixelLsb = 98;
+  localparam int ConfigDisp12MaxDiffPixelsLsb = 128;
+  localparam int ConfigUniquenessFactorLsb = 160;
+  localparam int ConfigSpeckleSizePixelsLsb = 192;
+  localparam int ConfigSpeckleRangeUnitsLsb = 224;
 endpackage
 /* verilator lint_on UNUSEDPARAM */

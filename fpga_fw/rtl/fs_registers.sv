@@ -39,18 +39,8 @@ module fs_registers #(
   input  logic [31:0]                    data_i,
   output logic                           read_valid_o,
   output logic [31:0]                    data_o,
-  // The configuration in effect.
-  output logic [11:0]                    width_o,
-  output logic [11:0]                    height_o,
-  output logic [11:0]                    read_pixels_o,
-  output logic [7:0]                     read_rows_o,
-  output logic                           left_right_check_o,
-  output logic                           uniqueness_check_o,
-  output logic                           subpixel_o,
-  output logic [7:0]                     disp12_max_diff_o,
-  output logic [9:0]                     uniqueness_o,
-  output logic [9:0]                     speckle_size_o,
-  output logic [9:0]                     speckle_range_o,
+  // The configuration in effect; field X begins at fs_pkg::ConfigXLsb.
+  output logic [fs_pkg::ConfigBits-1:0]  config_o,
   // Handshake with fs_input for a change of the configuration.
   output logic                           pending_o,
   input  logic                           apply_i,
@@ -88,14 +78,19 @@ module fs_registers #(
   if (MeshNodes < 2 || MeshNodes > 65536)
     initial $fatal(1, "fs_registers: MeshNodes is %0d, allowed: 2 to 65536", MeshNodes);
 
-  // The groups of up to eight registers begin at multiples of eight, so no address is subtracted.
-  if (fs_pkg::RegWidth % 8 != 0 || fs_pkg::RegFramesIn % 8 != 0 ||
-      fs_pkg::RegSignatureRectify % 8 != 0)
+  // Groups begin at multiples of their size, so no address is subtracted: generate_spec checks the
+  // configuration's; the others have up to eight registers.
+  if (fs_pkg::RegFramesIn % 8 != 0 || fs_pkg::RegSignatureRectify % 8 != 0)
     initial $fatal(1, "fs_registers: a group of registers does not begin at a multiple of 8");
+  localparam int Words = fs_pkg::ConfigWords;
+  localparam int WordBits = $clog2(Words);
   logic [2:0] word;
+  logic [WordBits-1:0] shadow_word;
   logic at_shadow, at_counters, at_signatures;
   assign word = address_i[2:0];
-  assign at_shadow = address_i >> 3 == fs_pkg::RegWidth >> 3;
+  assign shadow_word = address_i[WordBits-1:0];
+  assign at_shadow = address_i >> WordBits == fs_pkg::RegWidth >> WordBits &
+                     {1'b0, shadow_word} < (WordBits + 1)'(Words);
   assign at_counters = address_i >> 3 == fs_pkg::RegFramesIn >> 3;
   assign at_signatures = address_i >> 3 == fs_pkg::RegSignatureRectify >> 3;
 
@@ -104,45 +99,14 @@ module fs_registers #(
   assign clear = write_control & data_i[fs_pkg::ControlClearLsb];
   assign write_mesh = write_i & address_i == fs_pkg::RegMeshData;
 
-  // The shadow and the configuration in effect: 32-bit registers side by side, from RegWidth on;
-  // bits outside all fields stay 0. First bit of each field:
-  localparam int Words = 8;
-  localparam int Bits = 32 * Words;
-  localparam int Base = 32'(fs_pkg::RegWidth);
-  localparam int Width = 32 * (32'(fs_pkg::RegWidth) - Base) + fs_pkg::WidthPixelsLsb;
-  localparam int Height = 32 * (32'(fs_pkg::RegHeight) - Base) + fs_pkg::HeightRowsLsb;
-  localparam int ReadPixels = 32 * (32'(fs_pkg::RegReadStart) - Base) + fs_pkg::ReadStartPixelsLsb;
-  localparam int ReadRows = 32 * (32'(fs_pkg::RegReadStart) - Base) + fs_pkg::ReadStartRowsLsb;
-  localparam int LeftRightCheck =
-      32 * (32'(fs_pkg::RegFlags) - Base) + fs_pkg::FlagsLeftRightCheckLsb;
-  localparam int UniquenessCheck =
-      32 * (32'(fs_pkg::RegFlags) - Base) + fs_pkg::FlagsUniquenessCheckLsb;
-  localparam int Subpixel = 32 * (32'(fs_pkg::RegFlags) - Base) + fs_pkg::FlagsSubpixelLsb;
-  localparam int Disp12MaxDiff =
-      32 * (32'(fs_pkg::RegDisp12MaxDiff) - Base) + fs_pkg::Disp12MaxDiffPixelsLsb;
-  localparam int Uniqueness =
-      32 * (32'(fs_pkg::RegUniqueness) - Base) + fs_pkg::UniquenessFactorLsb;
-  localparam int SpeckleSize =
-      32 * (32'(fs_pkg::RegSpeckleSize) - Base) + fs_pkg::SpeckleSizePixelsLsb;
-  localparam int SpeckleRange =
-      32 * (32'(fs_pkg::RegSpeckleRange) - Base) + fs_pkg::SpeckleRangeUnitsLsb;
-  localparam logic [Bits-1:0] One = 1;
-  localparam logic [Bits-1:0] Mask =
-      ((One << fs_pkg::WidthPixelsBits) - One) << Width |
-      ((One << fs_pkg::HeightRowsBits) - One) << Height |
-      ((One << fs_pkg::ReadStartPixelsBits) - One) << ReadPixels |
-      ((One << fs_pkg::ReadStartRowsBits) - One) << ReadRows |
-      ((One << fs_pkg::FlagsLeftRightCheckBits) - One) << LeftRightCheck |
-      ((One << fs_pkg::FlagsUniquenessCheckBits) - One) << UniquenessCheck |
-      ((One << fs_pkg::FlagsSubpixelBits) - One) << Subpixel |
-      ((One << fs_pkg::Disp12MaxDiffPixelsBits) - One) << Disp12MaxDiff |
-      ((One << fs_pkg::UniquenessFactorBits) - One) << Uniqueness |
-      ((One << fs_pkg::SpeckleSizePixelsBits) - One) << SpeckleSize |
-      ((One << fs_pkg::SpeckleRangeUnitsBits) - One) << SpeckleRange;
-  localparam logic [Bits-1:0] FirstValue = {
-      fs_pkg::RegSpeckleRangeReset, fs_pkg::RegSpeckleSizeReset, fs_pkg::RegUniquenessReset,
-      fs_pkg::RegDisp12MaxDiffReset, fs_pkg::RegFlagsReset, fs_pkg::RegReadStartReset,
-      fs_pkg::RegHeightReset, fs_pkg::RegWidthReset};
+  // The shadow and the configuration in effect; bits outside all fields stay 0.
+  localparam int Bits = fs_pkg::ConfigBits;
+  localparam int Width = fs_pkg::ConfigWidthPixelsLsb;
+  localparam int Height = fs_pkg::ConfigHeightRowsLsb;
+  localparam int ReadPixels = fs_pkg::ConfigReadStartPixelsLsb;
+  localparam int ReadRows = fs_pkg::ConfigReadStartRowsLsb;
+  localparam logic [Bits-1:0] Mask = fs_pkg::ConfigMask;
+  localparam logic [Bits-1:0] FirstValue = fs_pkg::ConfigReset;
   logic [Bits-1:0] shadow_q, active_q;
 
   logic write_shadow;
@@ -150,7 +114,8 @@ module fs_registers #(
   for (genvar i = 0; i < Words; i++) begin : g_word
     always_ff @(posedge clk_i) begin
       if (!rst_ni) shadow_q[32*i+:32] <= FirstValue[32*i+:32];
-      else if (write_shadow & word == 3'(i)) shadow_q[32*i+:32] <= data_i & Mask[32*i+:32];
+      else if (write_shadow & shadow_word == WordBits'(i))
+        shadow_q[32*i+:32] <= data_i & Mask[32*i+:32];
     end
   end
 
@@ -189,19 +154,7 @@ module fs_registers #(
     end
   end
   assign pending_o = pending_q;
-  assign width_o = active_q[Width+:12];
-  assign height_o = active_q[Height+:12];
-  assign read_pixels_o = active_q[ReadPixels+:12];
-  assign read_rows_o = active_q[ReadRows+:8];
-  assign left_right_check_o = active_q[LeftRightCheck];
-  assign uniqueness_check_o = active_q[UniquenessCheck];
-  assign subpixel_o = active_q[Subpixel];
-  assign disp12_max_diff_o = active_q[Disp12MaxDiff+:8];
-  assign uniqueness_o = active_q[Uniqueness+:10];
-  assign speckle_size_o = active_q[SpeckleSize+:10];
-  assign speckle_range_o = active_q[SpeckleRange+:10];
-  logic unused_active;
-  assign unused_active = ^active_q;
+  assign config_o = active_q;
 
   // Meshes.
   logic [15:0] node_q;
@@ -272,8 +225,10 @@ module fs_registers #(
   // Reading.
   logic [31:0] value;
   logic [32*8-1:0] counters, signatures;  // padded to whole groups
+  logic [32*2**WordBits-1:0] shadow;      // likewise
   assign counters = (32 * 8)'(counters_q);
   assign signatures = (32 * 8)'(signatures_i);
+  assign shadow = (32 * 2**WordBits)'(shadow_q);
   always_comb begin
     value = '0;
     case (address_i)
@@ -295,7 +250,7 @@ module fs_registers #(
       fs_pkg::RegMeshSignature: value = mesh_signature_q;
       default: ;
     endcase
-    if (at_shadow) value = shadow_q[32*word+:32];
+    if (at_shadow) value = shadow[32*shadow_word+:32];
     if (at_counters) value = counters[32*word+:32];
     if (at_signatures) value = signatures[32*word+:32];
   end

@@ -29,21 +29,20 @@ module fs_speckle #(
   parameter int LookAhead = fs_pkg::SpeckleLookAhead,
   parameter int BlockVerdicts = 0  // verdict bits K1 and K9 in 2 more block RAMs, not in LUTs
 ) (
-  input  logic        clk_i,
-  input  logic        rst_ni,
-  input  logic        en_i,
-  input  logic [11:0] width_i,
-  input  logic [11:0] height_i,
-  input  logic [9:0]  speckle_size_i,   // px; 0: off
-  input  logic [9:0]  speckle_range_i,  // 1/32 px
-  input  logic        valid_i,
-  input  logic        sof_i,
-  input  logic        sol_i,
-  input  logic [15:0] disparity_i,
-  output logic        valid_o,
-  output logic        sof_o,
-  output logic        sol_o,
-  output logic [15:0] disparity_o
+  input  logic                          clk_i,
+  input  logic                          rst_ni,
+  input  logic                          en_i,
+  input  logic [11:0]                   width_i,
+  input  logic [11:0]                   height_i,
+  input  logic [fs_pkg::ConfigBits-1:0] config_i,
+  input  logic                          valid_i,
+  input  logic                          sof_i,
+  input  logic                          sol_i,
+  input  logic [15:0]                   disparity_i,
+  output logic                          valid_o,
+  output logic                          sof_o,
+  output logic                          sol_o,
+  output logic [15:0]                   disparity_o
 );
   localparam int LatencyRows = 29;
   localparam int LatencyTicks = 33;
@@ -58,6 +57,11 @@ module fs_speckle #(
     initial $fatal(1, "fs_speckle: MaxWidth is %0d, allowed: 16 to 1280", MaxWidth);
   if (DisparityBits < 8 || DisparityBits > 15)
     initial $fatal(1, "fs_speckle: DisparityBits is %0d, allowed: 8 to 15", DisparityBits);
+
+  logic [9:0] speckle_size;   // px; 0: off
+  logic [9:0] speckle_range;  // 1/32 px
+  assign speckle_size = config_i[fs_pkg::ConfigSpeckleSizePixelsLsb+:10];
+  assign speckle_range = config_i[fs_pkg::ConfigSpeckleRangeUnitsLsb+:10];
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
@@ -110,11 +114,11 @@ module fs_speckle #(
   // Tick 3: links.
   logic link, above_link, up;
   fs_speckle_linked #(.Bits(DisparityBits)) u_link_left (
-    .clk_i, .en_i, .range_i(speckle_range_i), .valid_i(valid_1_q & left_valid_q & ~first_q[1]),
+    .clk_i, .en_i, .range_i(speckle_range), .valid_i(valid_1_q & left_valid_q & ~first_q[1]),
     .a_i(here_q), .b_i(left_q), .linked_o(link)
   );
   fs_speckle_linked #(.Bits(DisparityBits)) u_link_up (
-    .clk_i, .en_i, .range_i(speckle_range_i), .valid_i(valid_1_q & above_valid & ~top_q),
+    .clk_i, .en_i, .range_i(speckle_range), .valid_i(valid_1_q & above_valid & ~top_q),
     .a_i(here_q), .b_i(above), .linked_o(up)
   );
   assign delay_in[Disparities] = link;
@@ -141,9 +145,9 @@ module fs_speckle #(
   logic named, target_valid;
   logic [Bits-1:0] name, target_name, target;
   fs_speckle_area #(.WordBits(WordBits), .StackDepth(MaxWidth / 2)) u_area (
-    .clk_i, .rst_ni, .en_i, .first_i(first_q[5]), .speckle_size_i, .above_valid_i(region),
-    .new_i(region_new), .pop_i(region_pop), .push_i(region_push), .close_i(region_close),
-    .first_link_i(first_link), .credited_o(delay_in[Disparities+1]),
+    .clk_i, .rst_ni, .en_i, .first_i(first_q[5]), .speckle_size_i(speckle_size),
+    .above_valid_i(region), .new_i(region_new), .pop_i(region_pop), .push_i(region_push),
+    .close_i(region_close), .first_link_i(first_link), .credited_o(delay_in[Disparities+1]),
     .credited_i(delay_out[Disparities+1]), .named_o(named), .name_o(name),
     .target_valid_o(target_valid), .target_name_o(target_name), .target_o(target)
   );
@@ -233,5 +237,5 @@ module fs_speckle #(
   end
 
   logic unused;
-  assign unused = ^{width_i, height_i, disparity_i, no_verdict, no_code};
+  assign unused = ^{width_i, height_i, config_i, disparity_i, no_verdict, no_code};
 endmodule

@@ -29,7 +29,7 @@ module fs_subpixel #(
   input  logic                             clk_i,
   input  logic                             rst_ni,
   input  logic                             en_i,
-  input  logic                             subpixel_i,
+  input  logic [fs_pkg::ConfigBits-1:0]    config_i,
   input  logic                             valid_i,
   input  logic                             sof_i,
   input  logic                             sol_i,
@@ -47,6 +47,9 @@ module fs_subpixel #(
   localparam int Steps = $clog2(fs_pkg::DisparityScale);
   if (fs_pkg::SubpixelNumerator != 7 || fs_pkg::SubpixelDenominator != 10 || Steps != 5)
     initial $fatal(1, "fs_subpixel: supports only offset = 32 * 7 num / (10 den)");
+
+  logic subpixel;
+  assign subpixel = config_i[fs_pkg::ConfigFlagsSubpixelLsb];
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (
     .clk_i, .rst_ni, .en_i, .valid_i, .sof_i, .sol_i, .valid_o, .sof_o, .sol_o
@@ -81,7 +84,7 @@ module fs_subpixel #(
       kept_q <= {kept_q[8:0], kept_i};
       inside_q <= {
         inside_q[1:0],
-        subpixel_i && winner_i >= DBits'(2) && winner_i <= DBits'(Disparities - 3)
+        subpixel && winner_i >= DBits'(2) && winner_i <= DBits'(Disparities - 3)
       };
       negative_q <= {negative_q[8:2], num_q[S+2]};
       refined_q <= {refined_q[8:3], inside_q[2] && !den_q[S+2] && den_q != '0};
@@ -145,5 +148,5 @@ module fs_subpixel #(
   end
 
   logic unused;  // after the last step, and below the result
-  assign unused = ^{r[Steps*(S+6)+:S+6], d[Steps*(S+5)+:S+5], value[0]};
+  assign unused = ^{r[Steps*(S+6)+:S+6], d[Steps*(S+5)+:S+5], value[0], config_i};
 endmodule

@@ -101,10 +101,10 @@ module fs_top #(
     address_q <= address_i;
     data_q <= data_i;
   end
-  logic [11:0] width, height, read_pixels;
-  logic [7:0] read_rows, disp12_max_diff;
-  logic [9:0] uniqueness, speckle_size, speckle_range;
-  logic left_right_check, uniqueness_check, subpixel;
+  logic [fs_pkg::ConfigBits-1:0] active;
+  logic [11:0] width, height;
+  assign width = active[fs_pkg::ConfigWidthPixelsLsb+:12];
+  assign height = active[fs_pkg::ConfigHeightRowsLsb+:12];
   logic mesh_we, mesh_right, mesh_bank;
   logic [$clog2(MeshNodes)-1:0] mesh_node;
   logic [31:0] mesh_data;
@@ -118,11 +118,7 @@ module fs_top #(
   ) u_registers (
     .clk_i, .rst_ni, .write_i(write_q), .read_i(read_q), .address_i(address_q), .data_i(data_q),
     .read_valid_o, .data_o,
-    .width_o(width), .height_o(height), .read_pixels_o(read_pixels), .read_rows_o(read_rows),
-    .left_right_check_o(left_right_check), .uniqueness_check_o(uniqueness_check),
-    .subpixel_o(subpixel), .disp12_max_diff_o(disp12_max_diff), .uniqueness_o(uniqueness),
-    .speckle_size_o(speckle_size), .speckle_range_o(speckle_range),
-    .pending_o(pending), .apply_i(apply),
+    .config_o(active), .pending_o(pending), .apply_i(apply),
     .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
     .mesh_data_o(mesh_data), .bank_o(mesh_bank),
     .busy_i(busy), .frame_in_i(frame_in), .frame_out_i(frame_out), .cut_frame_i(cut_frame),
@@ -140,21 +136,8 @@ module fs_top #(
       height_q[12*k+:12] <= height;
     end
   end
-  logic [11:0] read_pixels_q;
-  logic [7:0] read_rows_q, disp12_max_diff_q;
-  logic [9:0] uniqueness_q, speckle_size_q, speckle_range_q;
-  logic left_right_check_q, uniqueness_check_q, subpixel_q;
-  always_ff @(posedge clk_i) begin
-    read_pixels_q <= read_pixels;
-    read_rows_q <= read_rows;
-    left_right_check_q <= left_right_check;
-    uniqueness_check_q <= uniqueness_check;
-    disp12_max_diff_q <= disp12_max_diff;
-    uniqueness_q <= uniqueness;
-    subpixel_q <= subpixel;
-    speckle_size_q <= speckle_size;
-    speckle_range_q <= speckle_range;
-  end
+  logic [fs_pkg::ConfigBits-1:0] config_q;
+  always_ff @(posedge clk_i) config_q <= active;
 
   // From the stream to the raster.
   logic first_valid, first_sof, first_sol;
@@ -188,7 +171,8 @@ module fs_top #(
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageRectify]),
     .en_i(en[0+:RectifyCopies]),
     .width_i(width_q[12*SizeRectify+:12]), .height_i(height_q[12*SizeRectify+:12]),
-    .read_rows_i(read_rows_q), .read_pixels_i(read_pixels_q),
+    .read_rows_i(config_q[fs_pkg::ConfigReadStartRowsLsb+:8]),
+    .read_pixels_i(config_q[fs_pkg::ConfigReadStartPixelsLsb+:12]),
     .mesh_bank_i(mesh_bank), .mesh_we_i(mesh_we), .mesh_right_i(mesh_right),
     .mesh_node_i(16'(mesh_node)), .mesh_data_i(mesh_data),
     .valid_i(raw_valid), .sof_i(raw_sof), .sol_i(raw_sol), .left_i(raw_left), .right_i(raw_right),
@@ -249,9 +233,7 @@ module fs_top #(
   logic [5*SumBits-1:0] check_around;
   fs_check #(.Disparities(Disparities), .SumBits(SumBits)) u_check (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageCheck]),
-    .en_i(en[CheckAt]),
-    .left_right_check_i(left_right_check_q), .uniqueness_check_i(uniqueness_check_q),
-    .disp12_max_diff_i(disp12_max_diff_q), .uniqueness_i(uniqueness_q),
+    .en_i(en[CheckAt]), .config_i(config_q),
     .valid_i(select_valid), .sof_i(select_sof), .sol_i(select_sol),
     .winner_i(winner), .right_winner_i(right_winner), .winner_sum_i(winner_sum),
     .runner_up_sum_i(runner_up_sum), .around_i(around),
@@ -263,7 +245,7 @@ module fs_top #(
   logic [15:0] refined;
   fs_subpixel #(.Disparities(Disparities), .SumBits(SumBits)) u_subpixel (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSubpixel]),
-    .en_i(en[SubpixelAt]), .subpixel_i(subpixel_q),
+    .en_i(en[SubpixelAt]), .config_i(config_q),
     .valid_i(check_valid), .sof_i(check_sof), .sol_i(check_sol),
     .kept_i(kept), .winner_i(check_winner), .around_i(check_around),
     .valid_o(subpixel_valid), .sof_o(subpixel_sof), .sol_o(subpixel_sol),
@@ -278,7 +260,7 @@ module fs_top #(
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageSpeckle]),
     .en_i(en[SpeckleAt]),
     .width_i(width_q[12*SizeSpeckle+:12]), .height_i(height_q[12*SizeSpeckle+:12]),
-    .speckle_size_i(speckle_size_q), .speckle_range_i(speckle_range_q),
+    .config_i(config_q),
     .valid_i(subpixel_valid), .sof_i(subpixel_sof), .sol_i(subpixel_sol), .disparity_i(refined),
     .valid_o(speckle_valid), .sof_o(speckle_sof), .sol_o(speckle_sol), .disparity_o(disparity)
   );

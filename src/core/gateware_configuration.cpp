@@ -1,7 +1,6 @@
 #include "fpga_stereo/core/gateware_configuration.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iomanip>
 #include <sstream>
 
@@ -95,6 +94,18 @@ Parameters parameters_of(const GatewareBuild& build) {
   return parameters;
 }
 
+std::vector<RegisterWrite> parameter_registers(const Parameters& p) {
+  return {
+      {spec::kRegFlags, spec::kFlagsLeftRightCheck.put(p.left_right_check) |
+                            spec::kFlagsUniquenessCheck.put(p.uniqueness_check) |
+                            spec::kFlagsSubpixel.put(p.subpixel)},
+      {spec::kRegDisp12MaxDiff, spec::kDisp12MaxDiffPixels.put(p.disp12MaxDiff)},
+      {spec::kRegUniqueness, spec::kUniquenessFactor.put(uniqueness_factor(p))},
+      {spec::kRegSpeckleSize, spec::kSpeckleSizePixels.put(p.speckle_size)},
+      {spec::kRegSpeckleRange, spec::kSpeckleRangeUnits.put(p.speckle_range * kDisparityScale)},
+  };
+}
+
 std::string hex(std::uint32_t value) {
   std::ostringstream text;
   text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;
@@ -151,7 +162,6 @@ Result<GatewareConfiguration> make_gateware_configuration(const GatewareBuild& b
   const cv::Size size = r.geometry.image_size;
   const auto start = static_cast<std::uint32_t>(read_start(r));
   const auto width = static_cast<std::uint32_t>(size.width);
-  const auto uniqueness = std::lround(kUniquenessScale * (1 + p.uniqueness_ratio / 100));
   GatewareConfiguration made;
   made.build = build;
   made.registers = {
@@ -159,14 +169,8 @@ Result<GatewareConfiguration> make_gateware_configuration(const GatewareBuild& b
       {spec::kRegHeight, spec::kHeightRows.put(size.height)},
       {spec::kRegReadStart,
        spec::kReadStartPixels.put(start % width) | spec::kReadStartRows.put(start / width)},
-      {spec::kRegFlags, spec::kFlagsLeftRightCheck.put(p.left_right_check) |
-                            spec::kFlagsUniquenessCheck.put(p.uniqueness_check) |
-                            spec::kFlagsSubpixel.put(p.subpixel)},
-      {spec::kRegDisp12MaxDiff, spec::kDisp12MaxDiffPixels.put(p.disp12MaxDiff)},
-      {spec::kRegUniqueness, spec::kUniquenessFactor.put(static_cast<std::uint32_t>(uniqueness))},
-      {spec::kRegSpeckleSize, spec::kSpeckleSizePixels.put(p.speckle_size)},
-      {spec::kRegSpeckleRange, spec::kSpeckleRangeUnits.put(p.speckle_range * kDisparityScale)},
   };
+  for (const RegisterWrite& write : parameter_registers(p)) made.registers.push_back(write);
   made.mesh = {mesh_words(r.left.mesh), mesh_words(r.right.mesh)};
   return made;
 }

@@ -10,6 +10,7 @@
 #include "core/stages.hpp"
 #include "ports.hpp"
 #include "raster.hpp"
+#include "rtl/configuration.hpp"
 #include "support/compare.hpp"
 
 namespace fpga_stereo::test {
@@ -45,10 +46,7 @@ RasterResult compare(const std::vector<Selection>& frames, const Parameters& p, 
   }
 
   Model model;
-  model.left_right_check_i = p.left_right_check;
-  model.uniqueness_check_i = p.uniqueness_check;
-  model.disp12_max_diff_i = p.disp12MaxDiff;
-  model.uniqueness_i = uniqueness_factor(p);
+  set_config(model, p);
   const RasterResult result = run_raster(
       model, raster, static_cast<int>(frames.size()),
       [&](int frame, int x, int y) {

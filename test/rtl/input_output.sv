@@ -113,23 +113,16 @@ module input_output #(
     end
   end
 
-  logic unused;
-  logic [11:0] read_pixels;
-  logic [9:0] uniqueness, speckle_size, speckle_range;
-  logic [7:0] read_rows, disp12_max_diff;
+  logic [fs_pkg::ConfigBits-1:0] active;
+  assign width_o = active[fs_pkg::ConfigWidthPixelsLsb+:12];
+  assign height_o = active[fs_pkg::ConfigHeightRowsLsb+:12];
   logic [31:0] mesh_data;
   logic [3:0] mesh_node;
-  logic left_right_check, uniqueness_check, subpixel, mesh_we, mesh_right, bank;
-  assign unused = ^{read_pixels, uniqueness, speckle_size, speckle_range, read_rows, mesh_data,
-                    disp12_max_diff, mesh_node, left_right_check, uniqueness_check, subpixel,
-                    mesh_we, mesh_right, bank};
+  logic mesh_we, mesh_right, bank, unused;
+  assign unused = ^{active, mesh_data, mesh_node, mesh_we, mesh_right, bank};
   fs_registers #(.MaxWidth(MaxWidth), .LineRows(8), .MeshNodes(16)) u_registers (
     .clk_i, .rst_ni, .write_i, .read_i, .address_i, .data_i, .read_valid_o, .data_o,
-    .width_o, .height_o, .read_pixels_o(read_pixels), .read_rows_o(read_rows),
-    .left_right_check_o(left_right_check), .uniqueness_check_o(uniqueness_check),
-    .subpixel_o(subpixel), .disp12_max_diff_o(disp12_max_diff), .uniqueness_o(uniqueness),
-    .speckle_size_o(speckle_size), .speckle_range_o(speckle_range),
-    .pending_o(pending), .apply_i(apply_o),
+    .config_o(active), .pending_o(pending), .apply_i(apply_o),
     .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
     .mesh_data_o(mesh_data), .bank_o(bank),
     .busy_i(busy), .frame_in_i(frame_in), .frame_out_i(frame_out_o), .cut_frame_i(cut_frame),

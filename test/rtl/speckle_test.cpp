@@ -13,6 +13,7 @@
 #include "SpeckleWide.h"
 #include "core/stages.hpp"
 #include "raster.hpp"
+#include "rtl/configuration.hpp"
 #include "support/compare.hpp"
 
 namespace fpga_stereo::test {
@@ -45,8 +46,7 @@ RasterResult compare(const std::vector<cv::Mat1w>& images, const Parameters& p, 
   Model model;
   model.width_i = raster.width;
   model.height_i = raster.height;
-  model.speckle_size_i = p.speckle_size;
-  model.speckle_range_i = p.speckle_range * kDisparityScale;
+  set_config(model, p);
   const RasterResult result = run_raster(
       model, raster, frames,
       [&](int frame, int x, int y) { model.disparity_i = images[frame](y, x); },

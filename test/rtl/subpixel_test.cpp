@@ -9,6 +9,7 @@
 #include "core/stages.hpp"
 #include "ports.hpp"
 #include "raster.hpp"
+#include "rtl/configuration.hpp"
 #include "support/compare.hpp"
 
 namespace fpga_stereo::test {
@@ -44,7 +45,7 @@ RasterResult compare(const std::vector<Input>& frames, Raster raster, bool is_en
   for (const Input& in : frames) actual.emplace_back(in.kept.size(), std::uint16_t{0});
 
   Model model;
-  model.subpixel_i = is_enabled;
+  set_config(model, p);
   const RasterResult result = run_raster(
       model, raster, static_cast<int>(frames.size()),
       [&](int frame, int x, int y) {

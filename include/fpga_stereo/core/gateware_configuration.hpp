@@ -41,6 +41,9 @@ struct RegisterWrite {
   std::uint32_t value;
 };
 
+/// Returns the configuration registers that hold parameters, in ascending address order.
+std::vector<RegisterWrite> parameter_registers(const Parameters& parameters);
+
 /// The value of a register for people: "0x0000001F".
 std::string hex(std::uint32_t value);
 
