@@ -9,8 +9,8 @@
 namespace fpga_stereo::test {
 namespace {
 
-using sim::Pixel;
 using sim::GreyPair;
+using sim::Pixel;
 using sim::SystemModel;
 
 constexpr std::uint64_t kFirstFrame = std::uint64_t{0xFFFFFFFF} << 32 | kLinkFirstFrame;

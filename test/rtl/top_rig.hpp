@@ -138,7 +138,7 @@ inline std::vector<sim::Frame> expect_equal(sim::Gateware& gateware, const TopCa
 
 /// Returns pairs that show a textured slanted plane, so that some disparities pass the checks.
 inline std::vector<sim::GreyPair> textured_pairs(cv::Size size, int count, unsigned seed,
-                                                double disparity = 4.2) {
+                                                 double disparity = 4.2) {
   std::vector<sim::GreyPair> pairs;
   for (int i = 0; i < count; ++i) {
     const SlantedPair pair = slanted_pair(size, Texture(seed + i), disparity + 0.3 * i, 0.01);

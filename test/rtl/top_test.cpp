@@ -11,8 +11,8 @@ namespace {
 
 using sim::Frame;
 using sim::Gateware;
-using sim::Pixel;
 using sim::GreyPair;
+using sim::Pixel;
 
 const TopBuild kSparse =
     top_build("sparse", "640_16_11_15_0_102_5120", 16, 11, CensusPattern::kSparse, 15);
