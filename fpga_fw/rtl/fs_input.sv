@@ -57,7 +57,7 @@ module fs_input #(
   output logic        sol_o,
   output logic [7:0]  left_o,
   output logic [7:0]  right_o,
-  // To and from the other end. Pulses.
+  // To and from the end of the pipeline. Pulses.
   input  logic        room_i,
   input  logic        bubble_room_i,  // for bubble rows: also room for what they push out
   input  logic        frame_out_i,  // the last pixel of a frame has left the pipeline

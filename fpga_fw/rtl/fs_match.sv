@@ -101,7 +101,7 @@ module fs_match #(
   assign unused = ^{unused_sol, unused_x, unused_y, lane_right};
   logic enter_valid_q, enter_sof_q, sol_q;
   logic [11:0] x_q, centre_y_q;
-  logic [11:0] last_x_q, rows_below_q;  // rows_below_q: centre rows with enough rows below
+  logic [11:0] last_x_q, rows_below_q;  // rows_below_q: height_i - Radius, at least 0
   always_ff @(posedge clk_i) begin
     last_x_q <= width_i - 12'd1;
     rows_below_q <= height_i > 12'(Radius) ? height_i - 12'(Radius) : '0;

@@ -2,10 +2,10 @@
 //
 //   fs_camera, fs_camera -> fs_camera_pair -> a FIFO of Depth pairs
 //
-// Formula   fs_camera_pair
+// Formula   see fs_camera_pair
 // C++ twin  test/rtl/link/camera_test.cpp
-// Schedule  theirs
-// Latency   from a pixel at the pins 3 clocks of its clock and some 9 of clk_i
+// Schedule  see fs_camera, fs_camera_pair
+// Latency   3 clocks of the pixel clock and some 9 of clk_i from the pins to the output
 // Handshake Stream out. fs_input stalls it if a frame comes before a row of ticks is complete: for
 //           a row of clocks at most, some 270 pixels at 25 MHz with clk_i at 60 MHz. Depth covers
 //           that. There are longer stalls: up to 41 rows of clocks when a configuration takes

@@ -7,7 +7,7 @@
 //           except for the trailer are dropped. Each case gives one dropped_o.
 // Schedule  word with sof   req_o until all tags of the frame have come; those to be sent are
 //                           written as they come
-//           word            a word a clock
+//           word            one word per clock
 //           word with eof   followed by the two words of the trailer
 // Handshake Stream of words in. kind_valid_o is high for a clock for each complete packet; commit_o
 //           then points to its end. Room is reserved for trailers: room_i says that Reserve more

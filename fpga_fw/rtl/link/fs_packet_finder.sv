@@ -11,7 +11,7 @@
 //             Header   the rest of the header;  CheckHeader
 //             Payload  payload and its CRC;     CheckPayload
 //             Deliver  packet_o, payload bytes, until done_i
-// Latency   about 2 clocks per byte of payload: half of one byte per clock.
+// Latency   about 2 clocks per byte of payload, so at most one byte per two clocks is taken.
 // Handshake Bytes in: a stream. The fields of a packet are on the ports while packet_o is high; its
 //           payload is a stream of bytes, which may be left unread; done_i ends the packet.
 //           After SilenceMs without a byte a partial packet is discarded and its bytes are searched

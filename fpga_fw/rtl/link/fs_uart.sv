@@ -1,11 +1,11 @@
-// A serial line, 8N1, both ways.
+// A serial line, 8N1, in both directions.
 //
-// Formula   fs_uart_tx and fs_uart_rx
+// Formula   see fs_uart_tx and fs_uart_rx
 // C++ twin  UartLine in test/rtl/link/uart_test.cpp, the other end
-// Schedule  theirs
-// Latency   theirs
+// Schedule  see fs_uart_tx and fs_uart_rx
+// Latency   see fs_uart_tx and fs_uart_rx
 // Handshake streams
-// Limits    theirs; baud_i <= ClockHz / 32, so that the receiver tolerates 3 %
+// Limits    as theirs, and baud_i <= ClockHz / 32, so that the receiver tolerates 3 %
 module fs_uart #(
   parameter int ClockHz = 100000000
 ) (
