@@ -78,8 +78,8 @@ module fs_registers #(
   if (MeshNodes < 2 || MeshNodes > 65536)
     initial $fatal(1, "fs_registers: MeshNodes is %0d, allowed: 2 to 65536", MeshNodes);
 
-  // Groups begin at multiples of their size, so no address is subtracted: generate_spec checks the
-  // configuration's; the others have up to eight registers.
+  // Each group begins at a multiple of its size, so that no address has to be subtracted.
+  // generate_spec checks this for the configuration; the other groups have up to eight registers.
   if (fs_pkg::RegFramesIn % 8 != 0 || fs_pkg::RegSignatureRectify % 8 != 0)
     initial $fatal(1, "fs_registers: a group of registers does not begin at a multiple of 8");
   localparam int Words = fs_pkg::ConfigWords;
