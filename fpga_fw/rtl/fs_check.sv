@@ -40,7 +40,7 @@ module fs_check #(
   localparam int FactorBits = $clog2(fs_pkg::UniquenessScale);
   localparam int ProductBits = SumBits + 10;
   if (Disparities < 2 || Disparities > 128 || SumBits > 17)
-    initial $fatal(1, "fs_check: Disparities %0d, SumBits %0d, allowed: 2 to 128, up to 17",
+    initial $fatal(1, "fs_check: Disparities is %0d, SumBits is %0d, allowed: 2 to 128, up to 17",
                    Disparities, SumBits);
 
   logic left_right_check, uniqueness_check;
