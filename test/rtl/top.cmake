@@ -32,16 +32,13 @@ fpga_stereo_model(rtl_model_other 752 32 11 5 0 104 6144)
 
 # fpga_stereo_top_test(TARGET TIMEOUT SOURCE MODELS...), TIMEOUT in seconds
 function(fpga_stereo_top_test target timeout source)
-  catkin_add_gtest(${target} ${source} ../support/gtest_main.cpp)
-  if(TARGET ${target})
-    fpga_stereo_target(${target})
-    target_compile_definitions(${target} PRIVATE FPGA_STEREO_MODELS="${models}")
-    target_link_libraries(${target} fpga_stereo_simulated_gateware fpga_stereo_test_support)
-    if(ARGN)
-      add_dependencies(${target} ${ARGN})
-    endif()
-    set_tests_properties(_ctest_${PROJECT_NAME}_gtest_${target} PROPERTIES TIMEOUT ${timeout})
+  fpga_stereo_gtest(${target} ${source})
+  target_compile_definitions(${target} PRIVATE FPGA_STEREO_MODELS="${models}")
+  target_link_libraries(${target} fpga_stereo_simulated_gateware fpga_stereo_test_support)
+  if(ARGN)
+    add_dependencies(${target} ${ARGN})
   endif()
+  set_tests_properties(${gtest_prefix}${target} PROPERTIES TIMEOUT ${timeout})
 endfunction()
 
 fpga_stereo_top_test(rtl_top_test 300 top_test.cpp
@@ -52,5 +49,5 @@ fpga_stereo_top_test(rtl_vga 600 top_vga_test.cpp)
 add_test(NAME rtl_vga_model COMMAND ${sim}/build_model 640 64 11 15 0 102 5120 ${models})
 set_tests_properties(rtl_vga_model PROPERTIES
   LABELS long TIMEOUT 1200 FIXTURES_SETUP rtl_vga_model)
-set_tests_properties(_ctest_${PROJECT_NAME}_gtest_rtl_vga PROPERTIES
+set_tests_properties(${gtest_prefix}rtl_vga PROPERTIES
   LABELS long FIXTURES_REQUIRED rtl_vga_model)
