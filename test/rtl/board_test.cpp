@@ -144,16 +144,16 @@ class BoardRig {
   /// and a third of a sensor clock; each sensor has its own phase.
   void clock() {
     run_serial_line();
-    const bool sensor = ++clocks_ % 3 == 0;
+    const bool has_sensor_edge = ++clocks_ % 3 == 0;
     board.clk_i = 1;
-    if (sensor) board.pixclk_i = 2;
+    if (has_sensor_edge) board.pixclk_i = 2;
     board.eval();
     board.clk_i = 0;
     for (int k = 0; k < 5; ++k) usb_clock();
-    if (sensor) board.pixclk_i = 1;
+    if (has_sensor_edge) board.pixclk_i = 1;
     board.eval();
     board.pixclk_i = 0;
-    if (sensor) drive_sensor_pins();
+    if (has_sensor_edge) drive_sensor_pins();
     for (int k = 0; k < 2; ++k) {
       if (!board.sensor_rst_no) registers[k].reset();
       if (registers[k].clock(board.scl_o, (board.sda_o >> k & 1) != 0)) {
@@ -242,9 +242,9 @@ std::pair<cv::Mat1b, cv::Mat1b> make_pattern() {
     const int x = k % kWidth, y = k / kWidth;
     right(y, x) = static_cast<std::uint8_t>((bits >> 23) ^ (bits >> 20));
     bits = ((bits << 8) | right(y, x)) & 0x7FFFFFFF;
-    const bool middle =
+    const bool is_near =
         x >= kWidth / 4 && x < 3 * (kWidth / 4) && y >= kHeight / 4 && y < 3 * (kHeight / 4);
-    const int from = k - (middle ? kNearDisparity : kFarDisparity);
+    const int from = k - (is_near ? kNearDisparity : kFarDisparity);
     left(y, x) = from < 0 ? 0 : right(from / kWidth, from % kWidth);
   }
   return {left, right};

@@ -46,7 +46,7 @@ inline std::vector<ExpectedFrame> expected_frames(const std::vector<Pixel>& stre
   const std::size_t size = static_cast<std::size_t>(width) * height;
   std::vector<ExpectedFrame> frames;
   std::size_t line = 0;  // index of the current line's first pixel
-  bool dropping = false;
+  bool is_dropping = false;
   const auto fill = [&](std::size_t end) {
     ExpectedFrame& f = frames.back();
     if (f.pixels.size() < end) f.is_cut = true;
@@ -57,21 +57,21 @@ inline std::vector<ExpectedFrame> expected_frames(const std::vector<Pixel>& stre
       if (!frames.empty()) fill(size);
       frames.emplace_back();
       line = 0;
-      dropping = false;
+      is_dropping = false;
     }
     if (frames.empty()) continue;
     ExpectedFrame& f = frames.back();
-    if (dropping || f.pixels.size() == size) {
+    if (is_dropping || f.pixels.size() == size) {
       f.is_long = true;
-      if (p.eol) dropping = false;
+      if (p.eol) is_dropping = false;
       continue;
     }
     f.pixels.push_back(p.value);
     if (p.value == kBufferErrorPixel) f.has_buffer_error = true;
-    const bool full = f.pixels.size() == line + width;
+    const bool is_full = f.pixels.size() == line + width;
     if (p.eol) fill(line + width);
-    dropping = full && !p.eol;
-    if (p.eol || full) line += width;
+    is_dropping = is_full && !p.eol;
+    if (p.eol || is_full) line += width;
   }
   if (!frames.empty() && frames.back().pixels.size() < size) frames.pop_back();
   return frames;
@@ -157,7 +157,7 @@ class InputOutputRig {
       edge();
     }
     model.rst_ni = 1;
-    offered_ = held_ = false;
+    is_offered_ = is_stalled_ = false;
     in_.clear();
     partial_.clear();
     x_ = y_ = 0;
@@ -176,15 +176,15 @@ class InputOutputRig {
   std::size_t unsent() const { return in_.size(); }
 
   void clock() {
-    if (!offered_ && !in_.empty()) {
+    if (!is_offered_ && !in_.empty()) {
       if (in_.front().idle_clocks > 0) {
         --in_.front().idle_clocks;
       } else {
-        offered_ = random_share() >= source_idle;
+        is_offered_ = random_share() >= source_idle;
       }
     }
-    model.valid_i = offered_ ? 1 : 0;
-    if (offered_) {
+    model.valid_i = is_offered_ ? 1 : 0;
+    if (is_offered_) {
       model.sof_i = in_.front().sof ? 1 : 0;
       model.eol_i = in_.front().eol ? 1 : 0;
       model.left_i = in_.front().value >> 8;
@@ -199,9 +199,9 @@ class InputOutputRig {
     model.eval();
     check_stream();
     check_raster();
-    if (offered_ && model.ready_o) {
+    if (is_offered_ && model.ready_o) {
       in_.pop_front();
-      offered_ = false;
+      is_offered_ = false;
     }
     edge();
     ++clocks;
@@ -270,11 +270,11 @@ class InputOutputRig {
   void check_stream() {
     const Word word{model.sof_o != 0, model.eol_o != 0, model.eof_o != 0, model.bad_o != 0,
                     model.disparity_o};
-    if (held_) {
+    if (is_stalled_) {
       ASSERT_TRUE(model.valid_o) << "valid fell before ready";
       ASSERT_TRUE(word == last_) << "the payload changed while stalled";
     }
-    held_ = model.valid_o && !model.ready_i;
+    is_stalled_ = model.valid_o && !model.ready_i;
     last_ = word;
     if (!model.valid_o || !model.ready_i) return;
     // Each frame's size follows from its own eol and eof; expect_equal() compares it.
@@ -304,11 +304,11 @@ class InputOutputRig {
   void check_raster() {
     const std::array<int, 2> configuration{model.width_o, model.height_o};
     if (configuration_[0] != 0 && configuration != configuration_) {
-      ASSERT_TRUE(applied_) << "the configuration changed without apply";
+      ASSERT_TRUE(was_applied_) << "the configuration changed without apply";
       ASSERT_EQ(in_flight_, 0) << "the configuration changed with a frame in flight";
     }
     configuration_ = configuration;
-    applied_ = model.apply_o;
+    was_applied_ = model.apply_o;
     if (model.apply_o) {
       ASSERT_EQ(in_flight_, 0);
       ASSERT_TRUE(since_sol_ < 0 || since_sol_ == model.width_o) << "apply in the middle of a row";
@@ -359,7 +359,7 @@ class InputOutputRig {
   int min_rows_;
   std::mt19937 random_;
   std::deque<Pixel> in_;
-  bool offered_ = false, held_ = false, applied_ = false;
+  bool is_offered_ = false, is_stalled_ = false, was_applied_ = false;
   Word last_{};
   std::vector<std::uint16_t> partial_;
   int x_ = 0, y_ = 0, line_ = 0;

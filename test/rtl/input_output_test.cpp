@@ -147,15 +147,15 @@ TEST(InputOutput, FlagsShortAndLongLines) {
     rig.source_idle = rig.sink_idle = idle;
     for (int y = 0; y < height; ++y) {
       for (const int length : {1, 2, 14, 15, 17, 18, 31, 32, 33, 50}) {
-        for (const bool ended : {true, false}) {
+        for (const bool has_eol : {true, false}) {
           SCOPED_TRACE(::testing::Message() << "line " << y << " has " << length << " pixels and "
-                                            << (ended ? "an eol" : "no eol"));
+                                            << (has_eol ? "an eol" : "no eol"));
           std::mt19937 random(y);
           std::vector<Pixel> stream = complete_frames(width, height, 1);
           for (int line = 0; line < height; ++line) {
             const int pixels = line == y ? length : width;
             for (int x = 0; x < pixels; ++x) {
-              const bool eol = x == pixels - 1 && (line != y || ended);
+              const bool eol = x == pixels - 1 && (line != y || has_eol);
               stream.push_back({line == 0 && x == 0, eol, random_value(random)});
             }
           }

@@ -59,7 +59,7 @@ RasterResult run_raster(Model& model, const Raster& raster, int frames,
   int out_frame = -1, out_x = 0, out_y = 0;
   int since_sol_out = -1;
   std::int64_t first_in = -1, idle_rows = 0;
-  bool restarted = false;
+  bool has_restarted = false;
   const auto start_row = [&] {
     if (row >= 0 && ++row == raster.height) {
       row = -1;
@@ -76,8 +76,8 @@ RasterResult run_raster(Model& model, const Raster& raster, int frames,
   int rows_after_last = 0;
   while (rows_after_last < 3) {
     if (idle_rows > 400 || ::testing::Test::HasFailure()) break;
-    if (!restarted && result.ticks == raster.reset_after_ticks) {
-      restarted = true;
+    if (!has_restarted && result.ticks == raster.reset_after_ticks) {
+      has_restarted = true;
       frame = 0, row = -1, x = 0, bubbles_left = raster.bubble_rows[0];
       out_frame = -1, out_x = out_y = 0, since_sol_out = -1, first_in = -1;
       result.latency_ticks = -1, result.frames = 0;

@@ -89,9 +89,9 @@ cv::Mat1b buffer_error_mask(const Mesh& mesh, std::int64_t read_start, int rows)
         const cv::Point tap = cv::Point(source.x >> 5, source.y >> 5) + step;
         if (!cv::Rect({}, mesh.size).contains(tap)) continue;
         const std::int64_t distance = std::int64_t{tap.y - y} * mesh.size.width + tap.x - x;
-        const bool held =
+        const bool is_held =
             distance < read_start && distance >= read_start - std::int64_t{rows} * mesh.size.width;
-        if (!held) out(y, x) = 1;
+        if (!is_held) out(y, x) = 1;
       }
     }
   }
@@ -505,12 +505,12 @@ TEST(RtlRectify, SwapsMeshesBetweenFrames) {
   const std::vector<Images> pairs = random_pairs(size, 6, 74);
   rig.load(first);
   rig.queue(second);
-  bool swapped = false;
+  bool has_swapped = false;
   const auto out =
       rig.run(make_raster({0, 0, 0, 60, 0}, 0.2, 75), pairs, read_start, [&](int frames) {
-        if (frames < 3 || swapped) return;
+        if (frames < 3 || has_swapped) return;
         EXPECT_TRUE(rig.queue_empty());
-        swapped = true;
+        has_swapped = true;
         rig.swap_banks();
         rig.queue(first);  // written while the second meshes are in use
       });
@@ -556,12 +556,12 @@ TEST(RtlRectify, AppliesNewSettingsWithoutAReset) {
     const int first = 3, rows = first + size.height + static_cast<int>(read_start) / size.width + 6;
     for (int y = -first; y < rows; ++y) {
       for (int x = 0; x < size.width; ++x) {
-        const bool inside = y >= 0 && y < size.height;
-        model.valid_i = inside;
+        const bool is_inside = y >= 0 && y < size.height;
+        model.valid_i = is_inside;
         model.sof_i = x == 0 && y == 0;
         model.sol_i = x == 0;
-        model.left_i = inside ? pair.left(y, x) : 99;
-        model.right_i = inside ? pair.right(y, x) : 99;
+        model.left_i = is_inside ? pair.left(y, x) : 99;
+        model.right_i = is_inside ? pair.right(y, x) : 99;
         rig.clock();
         if (!model.valid_o) continue;
         EXPECT_EQ(model.sof_o != 0, at == 0);

@@ -248,7 +248,7 @@ TEST_P(RtlTop, FlagsFramesThatAreCutOrTooLong) {
   struct Fault {
     std::string about;
     std::vector<Pixel> words;
-    bool cut, too_long;
+    bool is_cut, is_long;
   };
   const std::vector<Fault> faults{
       {"cut in the middle of a line", {good.begin(), good.begin() + 34 * 11 + 17}, true, false},
@@ -265,8 +265,8 @@ TEST_P(RtlTop, FlagsFramesThatAreCutOrTooLong) {
     flow.valid = flow.ready = flowing;
     for (const Fault& fault : faults) {
       SCOPED_TRACE(fault.about);
-      cut += fault.cut;
-      too_long += fault.too_long;
+      cut += fault.is_cut;
+      too_long += fault.is_long;
       frames += 3;
       std::vector<Pixel> words = good;
       words.insert(words.end(), fault.words.begin(), fault.words.end());

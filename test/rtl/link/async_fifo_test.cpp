@@ -29,16 +29,16 @@ class FifoRig {
     model.eval();
     const bool push = (edges & 1) && model.wr_rst_ni && model.wr_valid_i && model.wr_ready_o;
     const bool pop = (edges & 2) && model.rd_rst_ni && model.rd_valid_o && model.rd_ready_i;
-    const bool held = (edges & 2) && model.rd_valid_o && !model.rd_ready_i && model.rd_rst_ni;
+    const bool is_stalled = (edges & 2) && model.rd_valid_o && !model.rd_ready_i && model.rd_rst_ni;
     const std::uint32_t word = model.rd_data_o;
     if (pop) take_word(word);
-    if (push) inside.push_back(model.wr_data_i);
-    max_inside = std::max(max_inside, inside.size());
+    if (push) stored.push_back(model.wr_data_i);
+    max_stored = std::max(max_stored, stored.size());
     model.wr_clk_i = edges & 1;
     model.rd_clk_i = edges >> 1;
     model.eval();
     model.wr_clk_i = model.rd_clk_i = 0;
-    if (held && expects_every_word) {
+    if (is_stalled && expects_every_word) {
       EXPECT_TRUE(model.rd_valid_o);
       EXPECT_EQ(model.rd_data_o, word);
     }
@@ -62,12 +62,12 @@ class FifoRig {
   void drain() {
     const double push = push_chance, pop = pop_chance;
     push_chance = 0, pop_chance = 1;
-    int quiet = 0;
-    for (int i = 0; i < 20000 && quiet < 60 && !testing::Test::HasFailure(); ++i) {
+    int quiet_clocks = 0;
+    for (int i = 0; i < 20000 && quiet_clocks < 60 && !testing::Test::HasFailure(); ++i) {
       step();
-      quiet = model.rd_valid_o || model.wr_valid_i ? 0 : quiet + 1;
+      quiet_clocks = model.rd_valid_o || model.wr_valid_i ? 0 : quiet_clocks + 1;
     }
-    EXPECT_GE(quiet, 60) << "the FIFO does not become empty";
+    EXPECT_GE(quiet_clocks, 60) << "the FIFO does not become empty";
     push_chance = push, pop_chance = pop;
   }
 
@@ -75,10 +75,10 @@ class FifoRig {
   TwoClocks clocks;
   std::mt19937 random;
   double push_chance = 1, pop_chance = 1;
-  std::deque<std::uint32_t> inside;
+  std::deque<std::uint32_t> stored;
   std::uint32_t next_word = 1;  // to be pushed
   std::uint32_t last_word = 0;  // last one popped
-  std::size_t max_inside = 0;
+  std::size_t max_stored = 0;
   /// False after a reset: words may be lost, but none may repeat or come out before it was pushed.
   bool expects_every_word = true;
   int popped = 0, write_clocks = 0, read_clocks = 0;
@@ -89,9 +89,9 @@ class FifoRig {
   void take_word(std::uint32_t word) {
     ++popped;
     if (expects_every_word) {
-      ASSERT_FALSE(inside.empty()) << "popped " << word << " from an empty FIFO";
-      ASSERT_EQ(word, inside.front());
-      inside.pop_front();
+      ASSERT_FALSE(stored.empty()) << "popped " << word << " from an empty FIFO";
+      ASSERT_EQ(word, stored.front());
+      stored.pop_front();
     } else {
       ASSERT_GT(word, last_word);
       ASSERT_LT(word, next_word);
@@ -118,7 +118,7 @@ void random_traffic(int write_period, int read_period, int jitter) {
   rig.push_chance = 1, rig.pop_chance = 0;
   rig.run(2000);
   rig.drain();
-  EXPECT_TRUE(rig.inside.empty());
+  EXPECT_TRUE(rig.stored.empty());
   EXPECT_GT(rig.popped, 300);
 }
 
@@ -136,11 +136,11 @@ TEST(RtlAsyncFifo, HoldsDepthPlusOneWords) {
   FifoRig<AsyncFifo4> small(10, 13, 0, 1);
   small.pop_chance = 0;
   small.run(200);
-  EXPECT_EQ(small.max_inside, 5U);
+  EXPECT_EQ(small.max_stored, 5U);
   FifoRig<AsyncFifo128> large(10, 13, 0, 1);
   large.pop_chance = 0;
   large.run(2000);
-  EXPECT_EQ(large.max_inside, 129U);
+  EXPECT_EQ(large.max_stored, 129U);
 }
 
 TEST(RtlAsyncFifo, PassesOneWordPerClock) {
@@ -166,7 +166,7 @@ TEST(RtlAsyncFifo, HasALatencyOfThreeOrFourClocks) {
     rig.run(60 + static_cast<int>(seed % 9));
     rig.drain();
     rig.push_chance = 1;
-    for (int i = 0; i < 100 && rig.inside.empty(); ++i) rig.step();
+    for (int i = 0; i < 100 && rig.stored.empty(); ++i) rig.step();
     const int from = rig.read_clocks;
     for (int i = 0; i < 100 && !rig.model.rd_valid_o; ++i) rig.step();
     ASSERT_LT(rig.read_clocks - from, 8);
@@ -192,21 +192,22 @@ void check_resets(int write_period, int read_period) {
     rig.run(static_cast<int>(rig.random() % 300));
     rig.expects_every_word = false;
     for (unsigned k = 0, resets = 1 + rig.random() % 4; k < resets; ++k) {
-      const bool write = rig.random() % 2 != 0;
-      auto& reset = write ? rig.model.wr_rst_ni : rig.model.rd_rst_ni;
-      const int& clocks = write ? rig.write_clocks : rig.read_clocks;
+      const bool resets_writer = rig.random() % 2 != 0;
+      auto& reset = resets_writer ? rig.model.wr_rst_ni : rig.model.rd_rst_ni;
+      const int& clocks = resets_writer ? rig.write_clocks : rig.read_clocks;
       const int until = clocks + 1 + static_cast<int>(rig.random() % 3);
       const std::uint32_t next_word = rig.next_word;
       reset = 0;
       while (clocks != until) rig.step();
       reset = 1;
-      if (!write) rig.last_word = std::max(rig.last_word, next_word - 1);  // earlier words are lost
+      if (!resets_writer)
+        rig.last_word = std::max(rig.last_word, next_word - 1);  // earlier words are lost
       rig.run(static_cast<int>(rig.random() % 60));
       if (testing::Test::HasFailure()) return;
     }
     rig.drain();
     if (testing::Test::HasFailure()) return;
-    rig.inside.clear();
+    rig.stored.clear();
     // The FIFO works again: it accepts ten words.
     rig.expects_every_word = true;
     const auto next_word = rig.next_word;

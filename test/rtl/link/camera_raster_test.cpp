@@ -17,13 +17,13 @@ constexpr int kRowClocks = 4 * (kWidth + 4);  // core clocks per sensor row
 
 struct Frame {
   std::vector<int> pixels;  // left << 8 | right
-  bool cut = false, is_long = false;
+  bool is_cut = false, is_long = false;
   bool operator==(const Frame& other) const {
-    return pixels == other.pixels && cut == other.cut && is_long == other.is_long;
+    return pixels == other.pixels && is_cut == other.is_cut && is_long == other.is_long;
   }
 };
 void PrintTo(const Frame& frame, std::ostream* out) {
-  *out << frame.pixels.size() << " pixels" << (frame.cut ? ", cut" : "")
+  *out << frame.pixels.size() << " pixels" << (frame.is_cut ? ", cut" : "")
        << (frame.is_long ? ", long" : "");
 }
 
@@ -81,7 +81,7 @@ class RasterRig {
         if (!frames.empty()) frames.back().pixels.push_back(model.left_o << 8 | model.right_o);
       }
       if (!frames.empty()) {
-        frames.back().cut |= model.cut_frame_o != 0;
+        frames.back().is_cut |= model.cut_frame_o != 0;
         frames.back().is_long |= model.long_frame_o != 0;
       }
       model.clk_i = 1;
@@ -97,7 +97,7 @@ class RasterRig {
   std::vector<Frame> intact_frames() const {
     std::vector<Frame> intact;
     for (const Frame& frame : frames) {
-      if (!frame.cut && !frame.is_long) intact.push_back(frame);
+      if (!frame.is_cut && !frame.is_long) intact.push_back(frame);
     }
     return intact;
   }
@@ -138,7 +138,7 @@ TEST(RtlCameraRaster, ADamagedFrameLeavesOthersIntact) {
       EXPECT_EQ(rig.intact_frames(), rig.expected);
       // A frame goes out only once its first line has more than one pixel.
       ASSERT_EQ(rig.frames.size(), row == 0 ? 4U : 5U);
-      EXPECT_EQ(rig.frames[1].cut, row != 0);
+      EXPECT_EQ(rig.frames[1].is_cut, row != 0);
     }
   }
 }
@@ -164,7 +164,7 @@ TEST(RtlCameraRaster, AFrameStalledTooLongLeavesOthersIntact) {
     rig.finish();
     EXPECT_EQ(rig.intact_frames(), rig.expected);
     ASSERT_EQ(rig.frames.size(), 4U);
-    EXPECT_TRUE(rig.frames[1].cut);
+    EXPECT_TRUE(rig.frames[1].is_cut);
   }
 }
 
@@ -179,7 +179,7 @@ TEST(RtlCameraRaster, CompletesAFrameWhoseSensorsStop) {
   rig.run(1000 + kHeight * kWidth + 200);
   ASSERT_EQ(rig.frames.size(), 2U);
   EXPECT_EQ(rig.frames[1].pixels.size(), std::size_t{kWidth * kHeight});
-  EXPECT_TRUE(rig.frames[1].cut);
+  EXPECT_TRUE(rig.frames[1].is_cut);
   // The rest of the frame is dropped when the sensors continue.
   rig.sensors_run = true;
   rig.send();

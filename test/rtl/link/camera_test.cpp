@@ -104,9 +104,9 @@ class CamerasRig {
     const auto which = std::min_element(next_, next_ + 3) - next_;
     next_[which] += which == 2 ? 97 + random() % 6 : 400;
     model.eval();
-    const bool taken = model.valid_o && model.ready_i;
+    const bool is_taken = model.valid_o && model.ready_i;
     if (which == 2) {
-      if (taken) {
+      if (is_taken) {
         out.push_back({model.sof_o != 0, model.eol_o != 0, model.left_o, model.right_o});
       }
       complete_pairs += model.frame_o;

@@ -36,7 +36,7 @@ class Ft245Rig {
   void step() {
     model.eval();
     chip.before_edge();
-    const bool sent = model.tx_valid_i && model.tx_ready_o;
+    const bool is_sent = model.tx_valid_i && model.tx_ready_o;
     if (model.rx_valid_o && model.rx_ready_i) {
       ASSERT_EQ(model.rx_data_o, static_cast<Word>(word_of(received, 1)));
       ASSERT_EQ(model.rx_keep_o, keep_of(received));
@@ -45,8 +45,8 @@ class Ft245Rig {
     model.clk_i = 1;
     model.eval();
     model.clk_i = 0;
-    if (sent) ++tx_number;
-    if (sent || !model.tx_valid_i) model.tx_valid_i = tx_number < tx_end && chance(tx_chance);
+    if (is_sent) ++tx_number;
+    if (is_sent || !model.tx_valid_i) model.tx_valid_i = tx_number < tx_end && chance(tx_chance);
     model.tx_data_i = static_cast<Word>(word_of(tx_number, 0));
     model.rx_ready_i = chance(rx_chance);
     while (given < rx_end && chip.waiting() < 8) {

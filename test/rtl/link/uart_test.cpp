@@ -41,9 +41,9 @@ class UartLine {
 
   /// Receives from the model: samples each bit in its middle.
   void listen(double clock, bool value) {
-    if (!receiving_) {
+    if (!is_receiving_) {
       if (value) return;
-      receiving_ = true, start_ = clock, bits_ = 0, shift_ = 0;
+      is_receiving_ = true, start_ = clock, bits_ = 0, shift_ = 0;
     }
     if (clock < start_ + (bits_ + 0.5) * bit_) return;
     if (bits_ == 0) {
@@ -54,7 +54,7 @@ class UartLine {
       ASSERT_TRUE(value) << "stop bit is low";
       received.push_back(static_cast<std::uint8_t>(shift_));
       starts.push_back(start_);
-      receiving_ = false;
+      is_receiving_ = false;
     }
     ++bits_;
   }
@@ -70,7 +70,7 @@ class UartLine {
   double bit_, end_;
   std::vector<Level> levels_;
   std::size_t next_ = 0;
-  bool receiving_ = false;
+  bool is_receiving_ = false;
   double start_ = 0;
   int bits_ = 0, shift_ = 0;
 };
@@ -90,11 +90,11 @@ class UartRig {
     model.eval();
     line.listen(clock, model.txd_o);
     if (model.rx_valid_o && model.rx_ready_i) received.push_back(model.rx_data_o);
-    const bool sent = model.tx_valid_i && model.tx_ready_o;
+    const bool is_sent = model.tx_valid_i && model.tx_ready_o;
     model.clk_i = 1;
     model.eval();
     model.clk_i = 0;
-    if (sent) ++next;
+    if (is_sent) ++next;
     model.tx_valid_i = next < words.size();
     model.tx_data_i = next < words.size() ? words[next] : 0;
     framing_errors += model.framing_error_o;
