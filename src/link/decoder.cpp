@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/decoder.hpp"
+#include "link/decoder.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ void Decoder::push(const std::uint8_t* bytes, std::size_t size) {
 
 void Decoder::skip(std::size_t bytes) {
   at_ += bytes;
-  counters_.skipped += bytes;
+  counters_.skipped_bytes += bytes;
 }
 
 bool Decoder::find_sync() {
@@ -44,7 +44,7 @@ bool Decoder::find_sync() {
 void Decoder::count_lost(std::uint32_t sequence) {
   // Backwards: a packet that came twice or late, or a board that started anew.
   const std::uint32_t gap = sequence - expected_.value_or(sequence);
-  if (gap < 0x80000000U) counters_.lost += gap;
+  if (gap < 0x80000000U) counters_.lost_packets += gap;
   expected_ = sequence + 1;
 }
 
@@ -73,12 +73,12 @@ std::optional<Packet> Decoder::next() {
   return std::nullopt;
 }
 
-void Decoder::give_up() {
+void Decoder::discard_partial_packet() {
   if (find_sync()) ++counters_.bad_payloads;
   if (left() > 0) skip(1);
 }
 
-void Decoder::restart() {
+void Decoder::reset() {
   bytes_.clear();
   at_ = 0;
   expected_.reset();

@@ -2,10 +2,11 @@
 
 #include <pthread.h>
 
+#include <algorithm>
 #include <future>
 #include <utility>
 
-#include "fpga_stereo/link/hotplug_watch.hpp"
+#include "link/hotplug_watch.hpp"
 
 namespace fpga_stereo::link {
 namespace {
@@ -24,6 +25,21 @@ double system_time() {
   return std::chrono::duration<double>(now).count();
 }
 
+LinkTrouble trouble_of(const Error& error) {
+  switch (error.kind) {
+    case ErrorKind::kNotFound:
+      return LinkTrouble::kNoDevice;
+    case ErrorKind::kBusy:
+      return LinkTrouble::kBusy;
+    case ErrorKind::kPermission:
+      return LinkTrouble::kPermission;
+    case ErrorKind::kUnplugged:
+      return LinkTrouble::kUnplugged;
+    default:
+      return LinkTrouble::kIo;
+  }
+}
+
 }  // namespace
 
 Device::Device(Options options, Callbacks callbacks)
@@ -38,12 +54,11 @@ Device::Device(Options options, Callbacks callbacks)
 }
 
 Device::~Device() {
-  Wanted nothing;
-  want(nothing);
+  set_desired_state({});
   const auto deadline = Clock::now() + kGoodbye;
   {
     std::unique_lock<std::mutex> lock(mutex_);
-    const auto quiet = [this] { return session_.state() != Session::State::kStreaming; };
+    const auto quiet = [this] { return session_.state() != LinkState::kStreaming; };
     wake_.wait_until(lock, deadline, quiet);
     stopping_ = true;
   }
@@ -52,15 +67,15 @@ Device::~Device() {
   thread_.join();
 }
 
-void Device::want(const Wanted& wanted) {
+void Device::set_desired_state(const DesiredState& wanted) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  session_.want(wanted);
+  session_.set_desired_state(wanted);
 }
 
 bool Device::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
                        std::uint64_t timestamp) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (session_.state() != Session::State::kStreaming) return false;
+  if (session_.state() != LinkState::kStreaming) return false;
   return session_.send_pair(left, right, frame_id, timestamp);
 }
 
@@ -70,12 +85,35 @@ Result<std::vector<RegisterWrite>> Device::ask(const Request& request) {
   std::future<Answer> answer = promise->get_future();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (session_.state() == Session::State::kClosed) {
+    if (session_.state() == LinkState::kClosed) {
       return Error{ErrorKind::kUnplugged, closed_because_};
     }
     session_.ask(request, [promise](Answer a) { promise->set_value(std::move(a)); });
   }
   return answer.get();
+}
+
+Result<std::vector<RegisterWrite>> Device::read_registers(
+    const std::vector<std::uint32_t>& addresses) {
+  std::vector<RegisterWrite> values;
+  for (std::size_t first = 0; first < addresses.size(); first += kMaxReads) {
+    const auto begin = addresses.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::size_t count = std::min(kMaxReads, addresses.size() - first);
+    const auto part = ask(read_request({begin, begin + static_cast<std::ptrdiff_t>(count)}));
+    if (!part) return part.error();
+    values.insert(values.end(), part->begin(), part->end());
+  }
+  return values;
+}
+
+Status Device::write_registers(const std::vector<RegisterWrite>& writes) {
+  for (std::size_t first = 0; first < writes.size(); first += kMaxWrites) {
+    const auto begin = writes.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::size_t count = std::min(kMaxWrites, writes.size() - first);
+    const auto done = ask(write_request({begin, begin + static_cast<std::ptrdiff_t>(count)}));
+    if (!done) return done.error();
+  }
+  return {};
 }
 
 void Device::reset() {
@@ -87,16 +125,18 @@ Device::Snapshot Device::snapshot() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   Snapshot s;
   s.state = session_.state();
-  s.complaint = s.state == Session::State::kClosed ? closed_because_ : session_.complaint();
+  const bool is_closed = s.state == LinkState::kClosed;
+  s.trouble = is_closed ? closed_trouble_ : session_.trouble();
+  s.trouble_text = is_closed ? closed_because_ : session_.trouble_text();
   s.description = description_;
   s.identity = session_.identity();
-  s.configured_tag = session_.configured();
+  s.active_tag = session_.configured();
   s.board = session_.board();
   s.session = session_.counters();
-  s.line = session_.line();
+  s.decoder = session_.line();
   s.frames = session_.frames();
   s.transport = transport_counters_;
-  s.opened = opened_;
+  s.times_opened = opened_;
   s.clock_drift = session_.clock().drift();
   s.clock_uncertainty = session_.clock().uncertainty();
   return s;
@@ -113,10 +153,10 @@ void Device::run() {
     hand_on();
     if (!moved) {
       callbacks_.note(moved.error().message);
-      close(moved.error().message);
+      close(trouble_of(moved.error()), moved.error().message);
     }
   }
-  if (transport_) close("the device is being closed");
+  if (transport_) close(LinkTrouble::kNotOpened, "the device is being closed");
 }
 
 bool Device::open() {
@@ -128,6 +168,7 @@ bool Device::open() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       closed_because_ = why;
+      closed_trouble_ = trouble_of(opened.error());
     }
     wait_to_retry();
     return false;
@@ -157,10 +198,11 @@ void Device::wait_to_retry() {
   wake_.wait_for(lock, options_.retry, [this] { return stopping_; });
 }
 
-void Device::close(const std::string& why) {
+void Device::close(LinkTrouble trouble, const std::string& why) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     closed_because_ = why;
+    closed_trouble_ = trouble;
     session_.closed();
     description_.clear();
   }
@@ -200,18 +242,18 @@ Status Device::exchange() {
 }
 
 void Device::hand_on() {
-  std::vector<Session::Received> received;
+  std::vector<ReceivedFrames> received;
   std::vector<std::string> notes;
-  std::optional<Session::Step> step;
+  std::optional<WatchdogStep> step;
   std::optional<Identity> identity;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     received = session_.take_received();
     notes = session_.take_notes();
     step = session_.take_step();
-    if (std::exchange(reset_asked_, false)) step = Session::Step::kReset;
-    const bool known = session_.identity() && session_.state() != Session::State::kRefused &&
-                       session_.state() != Session::State::kIdentifying;
+    if (std::exchange(reset_asked_, false)) step = WatchdogStep::kReset;
+    const bool known = session_.identity() && session_.state() != LinkState::kRefused &&
+                       session_.state() != LinkState::kIdentifying;
     if (known && !told_identity_) identity = session_.identity();
     told_identity_ = known;
   }
@@ -221,25 +263,25 @@ void Device::hand_on() {
   if (step && transport_) serve(*step);
 }
 
-void Device::serve(Session::Step step) {
+void Device::serve(WatchdogStep step) {
   Status done;
   switch (step) {
-    case Session::Step::kPurge:
+    case WatchdogStep::kPurge:
       done = transport_->recover(Recovery::kPurge);
       break;
-    case Session::Step::kRestart:
+    case WatchdogStep::kRestart:
       done = transport_->recover(Recovery::kRestart);
       break;
-    case Session::Step::kReset:
+    case WatchdogStep::kReset:
       done = transport_->recover(Recovery::kReset);
       break;
-    case Session::Step::kReopen:
+    case WatchdogStep::kReopen:
       break;
   }
   if (!done) callbacks_.note(done.error().message);
-  const bool closes = step == Session::Step::kReopen || step == Session::Step::kReset;
+  const bool closes = step == WatchdogStep::kReopen || step == WatchdogStep::kReset;
   if (!closes && done) return;
-  close(std::string("the line is being opened anew: ") + name(step));
+  close(LinkTrouble::kReopening, std::string("the line is being opened anew: ") + name(step));
 }
 
 }  // namespace fpga_stereo::link

@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/frame_assembler.hpp"
+#include "link/frame_assembler.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -9,7 +9,7 @@
 namespace fpga_stereo::link {
 namespace {
 
-using Verdict = Assembled::Verdict;
+using Verdict = FrameVerdict;
 
 std::size_t pixel_bytes(PixelFormat format) { return format == PixelFormat::kDisparity ? 2 : 1; }
 
@@ -54,14 +54,6 @@ std::string flag_names(std::uint32_t flags) {
 }
 
 }  // namespace
-
-const char* name(Stream stream) {
-  static constexpr std::array<const char*, kNumStreams> kNames{
-      "no stream", "disparity", "rectified left", "rectified right",
-      "raw left",  "raw right", "input"};
-  const auto number = static_cast<std::size_t>(stream);
-  return number < kNames.size() ? kNames[number] : "unknown stream";
-}
 
 std::size_t Leader::row_bytes(Stream stream) const {
   return (static_cast<std::size_t>(columns(stream)) * pixel_bytes(format) + 3) / 4 * 4;
@@ -129,7 +121,7 @@ void append_frame(const Header& frame, const cv::Mat& image, std::uint32_t confi
   packet(PacketType::kTrailer, last.data(), last.size());
 }
 
-std::string Assembled::text() const {
+std::string AssembledFrame::text() const {
   std::string frame = std::string(name(stream)) + " frame " + std::to_string(frame_id) + " ";
   const std::string rows =
       std::to_string(missing_rows) + " of " + std::to_string(height) + " rows are missing";
@@ -150,14 +142,14 @@ std::string Assembled::text() const {
   return frame;
 }
 
-void FrameAssembler::add(const Packet& packet, std::vector<Assembled>& out) {
+void FrameAssembler::add(const Packet& packet, std::vector<AssembledFrame>& out) {
   const PacketType type = packet.header.type;
   if (type != PacketType::kLeader && type != PacketType::kRows && type != PacketType::kTrailer) {
     return;
   }
   const auto stream = static_cast<std::size_t>(packet.header.stream);
   if (stream == 0 || stream >= frames_.size()) {
-    ++counters_.refused;
+    ++counters_.refused_packets;
     return;
   }
   Frame& frame = frames_[stream];
@@ -171,7 +163,7 @@ void FrameAssembler::add(const Packet& packet, std::vector<Assembled>& out) {
     return;
   }
   if (!frame.open || frame.assembled.frame_id != packet.header.frame_id) {
-    ++counters_.refused;
+    ++counters_.refused_packets;
     return;
   }
   if (type == PacketType::kRows) {
@@ -184,7 +176,7 @@ void FrameAssembler::add(const Packet& packet, std::vector<Assembled>& out) {
 void FrameAssembler::begin(const Packet& packet, Frame& frame) {
   const auto leader = unpack_leader(packet);
   if (!leader) {
-    ++counters_.refused;
+    ++counters_.refused_packets;
     return;
   }
   frame.open = true;
@@ -206,7 +198,7 @@ void FrameAssembler::take_rows(const Packet& packet, Frame& frame) {
   const std::size_t rows = packet.header.length / row_bytes;
   const std::size_t first = packet.header.index;
   if (packet.header.length % row_bytes != 0 || first + rows > frame.leader.height) {
-    ++counters_.refused;
+    ++counters_.refused_packets;
     return;
   }
   for (std::size_t i = 0; i < rows; ++i) {
@@ -215,12 +207,12 @@ void FrameAssembler::take_rows(const Packet& packet, Frame& frame) {
   }
 }
 
-void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembled>& out) {
+void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<AssembledFrame>& out) {
   if (packet.header.length != Trailer::kBytes) {
-    ++counters_.refused;
+    ++counters_.refused_packets;
     return;
   }
-  Assembled& assembled = frame.assembled;
+  AssembledFrame& assembled = frame.assembled;
   assembled.flags = get_u32(packet.payload + 4);
   assembled.missing_rows =
       static_cast<int>(std::count(frame.have.begin(), frame.have.end(), false));
@@ -238,7 +230,7 @@ void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembl
   finish(frame, Verdict::kIncomplete, out);
 }
 
-void FrameAssembler::finish(Frame& frame, Verdict verdict, std::vector<Assembled>& out) {
+void FrameAssembler::finish(Frame& frame, Verdict verdict, std::vector<AssembledFrame>& out) {
   frame.open = false;
   frame.assembled.verdict = verdict;
   if (verdict == Verdict::kGood) {
@@ -252,13 +244,13 @@ void FrameAssembler::finish(Frame& frame, Verdict verdict, std::vector<Assembled
   out.push_back(std::move(frame.assembled));
 }
 
-void FrameAssembler::reset(std::vector<Assembled>& out) {
+void FrameAssembler::reset(std::vector<AssembledFrame>& out) {
   for (Frame& frame : frames_) {
     if (frame.open) finish(frame, Verdict::kNoTrailer, out);
   }
 }
 
-std::optional<std::uint64_t> FrameAssembler::under_way(Stream stream) const {
+std::optional<std::uint64_t> FrameAssembler::frame_in_flight(Stream stream) const {
   const auto number = static_cast<std::size_t>(stream);
   if (number >= frames_.size() || !frames_[number].open) return std::nullopt;
   return frames_[number].assembled.frame_id;

@@ -1,13 +1,13 @@
 // Requests: FTDI's AN_130 (synchronous 245 FIFO) and AN_232B-04 (latency timer, status bytes) give
 // the procedure; their numbers are those of libftdi and of the kernel's ftdi_sio.
-#include "fpga_stereo/link/ftdi.hpp"
+#include "link/ftdi.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <thread>
 
-#include "usb_device.hpp"
+#include "link/usb_device.hpp"
 
 namespace fpga_stereo::link {
 namespace {

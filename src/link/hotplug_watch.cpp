@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/hotplug_watch.hpp"
+#include "link/hotplug_watch.hpp"
 
 #include <libusb.h>
 
@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "usb_device.hpp"
+#include "link/usb_device.hpp"
 
 namespace fpga_stereo::link {
 

@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include "link/packet.hpp"
+
 namespace fpga_stereo::link {
 namespace {
 
@@ -35,8 +37,7 @@ Identity Identity::from_values(const std::vector<RegisterWrite>& values) {
   id.minor = static_cast<int>(spec::kVersionMinor.get(word(spec::kRegVersion)));
   id.build = GatewareBuild::from_registers(word(spec::kRegBuild), word(spec::kRegBuildLineRows),
                                            word(spec::kRegBuildMeshNodes));
-  id.streams =
-      static_cast<std::uint8_t>(spec::kBuildStreamsStreams.get(word(spec::kRegBuildStreams)));
+  id.streams = StreamSet::from_bits(spec::kBuildStreamsStreams.get(word(spec::kRegBuildStreams)));
   id.clock_hz = word(spec::kRegBuildClock);
   return id;
 }

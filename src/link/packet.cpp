@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/packet.hpp"
+#include "link/packet.hpp"
 
 #include <boost/crc.hpp>
 #include <stdexcept>

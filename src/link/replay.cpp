@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "fpga_stereo/link/packet.hpp"
-#include "fpga_stereo/link/recording.hpp"
+#include "link/packet.hpp"
+#include "link/recording.hpp"
 
 namespace fpga_stereo::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/request.hpp"
+#include "link/request.hpp"
 
 #include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"

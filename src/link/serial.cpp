@@ -1,5 +1,5 @@
 // termios2, which takes any rate; its header and <termios.h> exclude each other.
-#include "fpga_stereo/link/serial.hpp"
+#include "link/serial.hpp"
 
 #include <asm/termbits.h>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/session.hpp"
+#include "link/session.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -11,18 +11,6 @@ constexpr std::size_t kKeptPairs = 64;  // that were sent: more than a board has
 
 }  // namespace
 
-const char* name(Session::State state) {
-  static constexpr std::array<const char*, 6> kNames{"closed",      "identifying", "refused",
-                                                     "configuring", "ready",       "streaming"};
-  return kNames[static_cast<std::size_t>(state)];
-}
-
-const char* name(Session::Step step) {
-  static constexpr std::array<const char*, Session::kSteps> kNames{"purge", "restart", "reopen",
-                                                                   "reset"};
-  return kNames[static_cast<std::size_t>(step)];
-}
-
 void Session::opened(Time now) {
   now_ = last_packet_ = last_byte_ = now;
   next_step_ = now + options_.silence;
@@ -34,7 +22,7 @@ void Session::opened(Time now) {
 }
 
 void Session::closed() {
-  state_ = State::kClosed;
+  state_ = LinkState::kClosed;
   identity_.reset();
   drop_jobs({ErrorKind::kUnplugged, "the line to the board is lost"});
   assembler_.reset(assembled_);
@@ -45,7 +33,7 @@ void Session::closed() {
 
 void Session::begin_anew() {
   drop_jobs({ErrorKind::kIo, "the board is identified anew"});
-  decoder_.restart();
+  decoder_.reset();
   assembler_.reset(assembled_);
   deliver();
   sets_.reset(complete_);
@@ -68,14 +56,14 @@ void Session::failed(const Error& error) {
     next_retry_ = now_ + options_.retry;
     drop_jobs(error);
     tags_.clear();
-    state_ = State::kRefused;
+    state_ = LinkState::kRefused;
     return;
   }
   notes_.push_back(error.message + "; trying again");
   begin_anew();
 }
 
-void Session::want(const Wanted& wanted) {
+void Session::set_desired_state(const DesiredState& wanted) {
   const auto same = [](const GatewareConfiguration& a, const GatewareConfiguration& b) {
     const auto equal = [](const RegisterWrite& x, const RegisterWrite& y) {
       return x.address == y.address && x.value == y.value;
@@ -84,34 +72,57 @@ void Session::want(const Wanted& wanted) {
                                           b.registers.begin(), b.registers.end(), equal);
   };
   const bool new_configuration =
-      wanted.configuration && (!wanted_.configuration || wanted.tag != wanted_.tag ||
-                               !same(*wanted.configuration, *wanted_.configuration));
+      wanted.configuration && (!desired_.configuration || wanted.tag != desired_.tag ||
+                               !same(*wanted.configuration, *desired_.configuration));
   configuration_stale_ |= new_configuration;
   streams_stale_ |=
-      wanted.streams != wanted_.streams || wanted.frame_interval != wanted_.frame_interval ||
-      wanted.raw_interval != wanted_.raw_interval || wanted.host_input != wanted_.host_input ||
-      wanted.mid_exposure != wanted_.mid_exposure;
-  wanted_ = wanted;
-  if (state_ == State::kRefused && refused_as_ != ErrorKind::kIncompatible && new_configuration) {
+      wanted.streams != desired_.streams || wanted.frame_interval != desired_.frame_interval ||
+      wanted.raw_interval != desired_.raw_interval || wanted.host_input != desired_.host_input ||
+      wanted.mid_exposure != desired_.mid_exposure;
+  desired_ = wanted;
+  if (state_ == LinkState::kRefused && refused_as_ != ErrorKind::kIncompatible &&
+      new_configuration) {
     attempts_ = 0;
     begin_anew();
   }
 }
 
-std::string Session::complaint() const {
+LinkTrouble Session::trouble() const {
   switch (state_) {
-    case State::kClosed:
-      return "no board";
-    case State::kRefused:
-      return refusal_;
-    case State::kIdentifying:
-      return trouble_.empty() ? "the board is being identified" : trouble_;
-    case State::kConfiguring:
-      if (!trouble_.empty()) return trouble_;
-      return jobs_.empty() ? "the board waits for a configuration that it can hold"
-                           : "the board is being configured";
+    case LinkState::kClosed:
+      return LinkTrouble::kNotOpened;
+    case LinkState::kRefused:
+      return refused_as_ == ErrorKind::kIncompatible ? LinkTrouble::kIncompatible
+                                                     : LinkTrouble::kRejected;
+    case LinkState::kIdentifying:
+      return watchdog_trouble_ == LinkTrouble::kNone ? LinkTrouble::kIdentifying
+                                                     : watchdog_trouble_;
+    case LinkState::kConfiguring:
+      if (watchdog_trouble_ != LinkTrouble::kNone) return watchdog_trouble_;
+      return jobs_.empty() ? LinkTrouble::kUnconfigurable : LinkTrouble::kConfiguring;
     default:
-      return trouble_;
+      return watchdog_trouble_;
+  }
+}
+
+std::string Session::trouble_text() const {
+  switch (trouble()) {
+    case LinkTrouble::kNone:
+      return "";
+    case LinkTrouble::kIncompatible:
+    case LinkTrouble::kRejected:
+      return refusal_;
+    case LinkTrouble::kIdentifying:
+      return "the board is being identified";
+    case LinkTrouble::kConfiguring:
+      return "the board is being configured";
+    case LinkTrouble::kUnconfigurable:
+      return "the board waits for a configuration that it can hold";
+    case LinkTrouble::kSilent:
+    case LinkTrouble::kStalled:
+      return watchdog_text_;
+    default:
+      return "no board";
   }
 }
 
@@ -121,14 +132,15 @@ std::optional<std::uint64_t> Session::configured() const {
   return std::prev(after)->second;
 }
 
-std::optional<Session::Step> Session::take_step() { return std::exchange(step_, std::nullopt); }
+std::optional<WatchdogStep> Session::take_step() { return std::exchange(step_, std::nullopt); }
 
-std::vector<Session::Received> Session::take_received() { return std::exchange(received_, {}); }
+std::vector<ReceivedFrames> Session::take_received() { return std::exchange(received_, {}); }
 
 std::vector<std::string> Session::take_notes() { return std::exchange(notes_, {}); }
 
 void Session::ask(Request request, Answer answer) {
-  if (state_ == State::kClosed) return answer(Error{ErrorKind::kUnplugged, "there is no board"});
+  if (state_ == LinkState::kClosed)
+    return answer(Error{ErrorKind::kUnplugged, "there is no board"});
   jobs_.push_back({std::move(request), {}, std::move(answer), {}});
 }
 
@@ -151,9 +163,9 @@ bool Session::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint
 
 void Session::sent(std::size_t bytes, Time now, double host) {
   sent_ += bytes;
-  if (!under_way_ || under_way_->deadline != Time::max() || sent_ < under_way_->end) return;
-  under_way_->deadline = now + options_.answer;
-  if (under_way_->tries == 1) under_way_->sent = host;
+  if (!in_flight_ || in_flight_->deadline != Time::max() || sent_ < in_flight_->end) return;
+  in_flight_->deadline = now + options_.answer;
+  if (in_flight_->tries == 1) in_flight_->sent = host;
 }
 
 // What is sent.
@@ -161,10 +173,10 @@ void Session::sent(std::size_t bytes, Time now, double host) {
 void Session::tick(Time now, double host) {
   now_ = now;
   host_ = host;
-  if (state_ == State::kClosed) return;
+  if (state_ == LinkState::kClosed) return;
   if (now - last_byte_ > std::chrono::milliseconds(kHostSilenceMs)) {
     last_byte_ = now;
-    decoder_.give_up();
+    decoder_.discard_partial_packet();
     receive(nullptr, 0, now, host);
   }
   settle();
@@ -175,42 +187,42 @@ void Session::tick(Time now, double host) {
 
 void Session::start_jobs() {
   if (jobs_.empty()) return;
-  if (!under_way_) {
+  if (!in_flight_) {
     if (now_ < jobs_.front().not_before) return;
-    under_way_ = UnderWay{++next_id_, 1, host_, 0, {}};
+    in_flight_ = InFlight{++next_id_, 1, host_, 0, {}};
     ++counters_.requests;
     return send_request();
   }
-  if (now_ < under_way_->deadline) return;
-  if (under_way_->tries < options_.tries) {
+  if (now_ < in_flight_->deadline) return;
+  if (in_flight_->tries < options_.tries) {
     // With the same id: whichever answer comes is the answer. It is no measure of the clock.
-    ++under_way_->tries;
-    ++counters_.repeated;
-    under_way_->sent = host_ - 1;
+    ++in_flight_->tries;
+    ++counters_.retries;
+    in_flight_->sent = host_ - 1;
     return send_request();
   }
   const Job job = std::move(jobs_.front());
   jobs_.pop_front();
-  under_way_.reset();
+  in_flight_.reset();
   if (job.answer) job.answer(Error{ErrorKind::kTimeout, "the board does not answer"});
-  step("the board does not answer");
+  step(LinkTrouble::kSilent, "the board does not answer");
 }
 
 void Session::send_request() {
   const Request& request = jobs_.front().request;
   Header header;
   header.type = request.type;
-  header.index = under_way_->id;
+  header.index = in_flight_->id;
   header.sequence = sequence_++;
   const std::size_t before = outgoing_.size();
   append_packet(header, request.payload.data(), request.payload.size(), outgoing_);
-  under_way_->end = queued_ += outgoing_.size() - before;
-  under_way_->deadline = Time::max();
+  in_flight_->end = queued_ += outgoing_.size() - before;
+  in_flight_->deadline = Time::max();
 }
 
 void Session::drop_jobs(const Error& error) {
   const std::deque<Job> jobs = std::exchange(jobs_, {});
-  under_way_.reset();
+  in_flight_.reset();
   for (const Job& job : jobs) {
     if (job.answer) job.answer(error);
   }
@@ -219,24 +231,26 @@ void Session::drop_jobs(const Error& error) {
 // The watchdog.
 
 bool Session::stalled() const {
-  if (state_ != State::kStreaming || now_ - last_frame_ < options_.stall) return false;
-  const auto allowed = static_cast<std::uint32_t>(options_.periods * wanted_.frame_interval);
+  if (state_ != LinkState::kStreaming || now_ - last_frame_ < options_.stall) return false;
+  const auto allowed = static_cast<std::uint32_t>(options_.periods * desired_.frame_interval);
   return board_.frames_in - input_at_frame_ > allowed;
 }
 
 void Session::watch() {
   if (now_ < next_step_) return;
-  if (now_ - last_packet_ > options_.silence) return step("nothing comes from the board");
-  if (stalled()) step("the board takes images, and no frame comes");
+  if (now_ - last_packet_ > options_.silence)
+    return step(LinkTrouble::kSilent, "nothing comes from the board");
+  if (stalled()) step(LinkTrouble::kStalled, "the board takes images, and no frame comes");
 }
 
-void Session::step(const std::string& why) {
+void Session::step(LinkTrouble trouble, const std::string& why) {
   // First: what is under way comes out of it, and is no sign that the line works.
   const int rung = ladder_;
   begin_anew();
-  trouble_ = why;
-  step_ = static_cast<Step>(rung);
-  ladder_ = std::min(rung + 1, kSteps - 1);
+  watchdog_trouble_ = trouble;
+  watchdog_text_ = why;
+  step_ = static_cast<WatchdogStep>(rung);
+  ladder_ = std::min(rung + 1, kNumWatchdogSteps - 1);
   ++counters_.steps[static_cast<std::size_t>(*step_)];
   notes_.push_back(why + ": " + name(*step_));
   next_step_ = now_ + options_.step;

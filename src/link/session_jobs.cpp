@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "fpga_stereo/link/session.hpp"
+#include "link/session.hpp"
 
 namespace fpga_stereo::link {
 namespace {
@@ -71,14 +71,14 @@ void Session::begin(Request request, std::function<Status(const Values&)> done) 
 }
 
 void Session::identify() {
-  state_ = State::kIdentifying;
+  state_ = LinkState::kIdentifying;
   begin(read_request(Identity::registers()), [this](const Values& v) { return identified(v); });
 }
 
 Status Session::identified(const Values& values) {
   identity_ = Identity::from_values(values);
   if (Status status = identity_->check(); !status) return status;
-  state_ = State::kConfiguring;
+  state_ = LinkState::kConfiguring;
   // Nothing comes that nobody has asked for, until it is known what the board computes.
   write_back({{spec::kRegStreams, 0}});
   begin(read_request({spec::kRegConfiguration}), [this](const Values& v) {
@@ -107,30 +107,30 @@ void Session::write_mesh(std::uint32_t right, const std::vector<std::uint32_t>& 
 
 void Session::configure() {
   configuration_stale_ = false;
-  const GatewareConfiguration& configuration = *wanted_.configuration;
+  const GatewareConfiguration& configuration = *desired_.configuration;
   write_back(configuration.registers);
   if (configuration.mesh != meshes_) {
     meshes_ = {};  // until they have taken effect it is not known which the board has
     for (std::uint32_t right = 0; right < 2; ++right) write_mesh(right, configuration.mesh[right]);
   }
   begin(write_request({{spec::kRegErrors, spec::kErrorsConfig.mask()}}),
-        [this, tag = wanted_.tag](const Values&) {
+        [this, tag = desired_.tag](const Values&) {
           // Before the apply: its first frame may come before its answer.
           tags_[configuration_ + 1] = tag;
           return Status{};
         });
   begin(write_request({{spec::kRegControl, spec::kControlApply.put(1)}}),
-        [this, configuration](const Values&) {
+        [this, shared = desired_.configuration](const Values&) {
           apply_deadline_ = now_ + kApplyTime;
-          await_apply(configuration);
+          await_apply(shared);
           return Status{};
         });
 }
 
-void Session::await_apply(const GatewareConfiguration& configuration) {
+void Session::await_apply(std::shared_ptr<const GatewareConfiguration> configuration) {
   // The shadow once more: a board that is reset before it applies has other values there, and what
   // it has made active is worth nothing.
-  const Values expected = shadow(configuration);
+  const Values expected = shadow(*configuration);
   std::vector<std::uint32_t> read = addresses(expected);
   read.insert(read.end(), {spec::kRegErrors, spec::kRegStatus, spec::kRegConfiguration});
   // At the front: what else waits is for the configuration to come.
@@ -148,8 +148,8 @@ void Session::await_apply(const GatewareConfiguration& configuration) {
         return Error{ErrorKind::kIo, kWasReset};
       }
       configuration_ = now;
-      meshes_ = configuration.mesh;
-      ++counters_.configured;
+      meshes_ = configuration->mesh;
+      ++counters_.configurations;
       return {};
     }
     if (now_ >= apply_deadline_) {
@@ -170,34 +170,34 @@ void Session::set_streams() {
   input_at_frame_ = board_.frames_in;
   const auto interval = [](int pairs) { return static_cast<std::uint32_t>(pairs); };
   write_back(
-      {{spec::kRegInput, spec::kInputHost.put(wanted_.host_input ? 1 : 0)},
-       {spec::kRegFrameInterval, spec::kFrameIntervalPairs.put(interval(wanted_.frame_interval)) |
-                                     spec::kFrameIntervalRaw.put(interval(wanted_.raw_interval))},
+      {{spec::kRegInput, spec::kInputHost.put(desired_.host_input ? 1 : 0)},
+       {spec::kRegFrameInterval, spec::kFrameIntervalPairs.put(interval(desired_.frame_interval)) |
+                                     spec::kFrameIntervalRaw.put(interval(desired_.raw_interval))},
        {spec::kRegMidExposure,
-        spec::kMidExposureUs.put(static_cast<std::uint32_t>(wanted_.mid_exposure.count()))},
-       {spec::kRegStreams, wanted_.streams}});
+        spec::kMidExposureUs.put(static_cast<std::uint32_t>(desired_.mid_exposure.count()))},
+       {spec::kRegStreams, desired_.streams.bits()}});
 }
 
 void Session::settle() {
-  if (state_ == State::kIdentifying || state_ == State::kRefused || !jobs_.empty()) return;
-  if (configuration_stale_ && wanted_.as_it_is) {
+  if (state_ == LinkState::kIdentifying || state_ == LinkState::kRefused || !jobs_.empty()) return;
+  if (configuration_stale_ && desired_.keep_configuration) {
     configuration_stale_ = false;
-    tags_[0] = wanted_.tag;
+    tags_[0] = desired_.tag;
   }
   if (configuration_stale_) {
     // Not before there is one that was made for this board.
-    if (wanted_.configuration && wanted_.configuration->build == identity_->build) configure();
+    if (desired_.configuration && desired_.configuration->build == identity_->build) configure();
     return;
   }
   if (streams_stale_) return set_streams();
   attempts_ = 0;
   refusal_.clear();
-  state_ = wanted_.streams == 0 ? State::kReady : State::kStreaming;
+  state_ = desired_.streams.empty() ? LinkState::kReady : LinkState::kStreaming;
 }
 
 void Session::poll() {
   next_poll_ = now_ + options_.poll;
-  if (state_ == State::kRefused) {
+  if (state_ == LinkState::kRefused) {
     // It may be flashed while its line stays open. What else it has refused may pass: a frame that
     // did not end, resets by a weak supply.
     if (refused_as_ == ErrorKind::kIncompatible) return identify();
@@ -212,8 +212,8 @@ void Session::poll() {
 
 Status Session::polled(const Values& v) {
   const bool as_set = value_of(v, spec::kRegConfiguration) == configuration_ &&
-                      value_of(v, spec::kRegStreams) == wanted_.streams;
-  const bool set = state_ == State::kReady || state_ == State::kStreaming;
+                      value_of(v, spec::kRegStreams) == desired_.streams.bits();
+  const bool set = state_ == LinkState::kReady || state_ == LinkState::kStreaming;
   if (set && !as_set) {
     if (configuration_stale_ || streams_stale_) return {};
     return Error{ErrorKind::kIo, kWasReset};
@@ -228,10 +228,10 @@ Status Session::polled(const Values& v) {
   board_.bad_packets = value_of(v, spec::kRegBadPackets);
   board_.lost_packets = value_of(v, spec::kRegLostPackets);
   board_.input_errors = value_of(v, spec::kRegInputErrors);
-  if (frame_came_ || state_ != State::kStreaming) input_at_frame_ = board_.frames_in;
+  if (frame_came_ || state_ != LinkState::kStreaming) input_at_frame_ = board_.frames_in;
   frame_came_ = false;
-  if (state_ != State::kStreaming) {  // nothing else will tell that the line works again
-    trouble_.clear();
+  if (state_ != LinkState::kStreaming) {  // nothing else will tell that the line works again
+    watchdog_trouble_ = LinkTrouble::kNone;
     ladder_ = 0;
   }
   return {};

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "fpga_stereo/link/session.hpp"
+#include "link/session.hpp"
 
 namespace fpga_stereo::link {
 
@@ -16,7 +16,7 @@ void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, dou
 }
 
 void Session::take(const Packet& packet) {
-  if (state_ == State::kClosed) return;
+  if (state_ == LinkState::kClosed) return;
   last_packet_ = now_;
   if (packet.header.version != kVersion) {
     failed({ErrorKind::kIncompatible, version_text(packet.header.version)});
@@ -36,8 +36,8 @@ void Session::take(const Packet& packet) {
       frame_came_ = true;
       assembler_.add(packet, assembled_);
       if (packet.header.type == PacketType::kLeader &&
-          assembler_.under_way(packet.header.stream) == packet.header.frame_id) {
-        sets_.begun(packet.header.stream, packet.header.frame_id);
+          assembler_.frame_in_flight(packet.header.stream) == packet.header.frame_id) {
+        sets_.begin(packet.header.stream, packet.header.frame_id);
       }
       return;
     default:
@@ -54,12 +54,12 @@ Status Session::check_clock(std::uint64_t board_time) {
 }
 
 void Session::take_answer(const Packet& packet) {
-  if (!under_way_ || packet.header.index != under_way_->id) return;  // a late one
+  if (!in_flight_ || packet.header.index != in_flight_->id) return;  // a late one
   if (const Status same = check_clock(packet.header.timestamp); !same) {
-    if (state_ == State::kRefused) attempts_ = 0;  // it may have been seen to
+    if (state_ == LinkState::kRefused) attempts_ = 0;  // it may have been seen to
     return failed(same.error());
   }
-  if (clock_.add(under_way_->sent, packet.header.timestamp, host_)) unstamped_ = false;
+  if (clock_.add(in_flight_->sent, packet.header.timestamp, host_)) unstamped_ = false;
   const Job job = std::move(jobs_.front());
   const bool read = job.request.type == PacketType::kReadRegisters;
   Result<std::vector<RegisterWrite>> result{std::vector<RegisterWrite>{}};
@@ -80,7 +80,7 @@ void Session::take_answer(const Packet& packet) {
     jobs_.front() = job;
     return;
   }
-  under_way_.reset();
+  in_flight_.reset();
   jobs_.pop_front();
   if (job.answer) {
     job.answer(std::move(result));
@@ -97,19 +97,19 @@ bool Session::is_hosts(const FrameSet& set) const {
 }
 
 void Session::deliver() {
-  for (Assembled& frame : assembled_) {
-    sets_.ended(std::move(frame), wanted_.streams, complete_);
+  for (AssembledFrame& frame : assembled_) {
+    sets_.add(std::move(frame), desired_.streams, complete_);
   }
   assembled_.clear();
   for (FrameSet& set : complete_) {
     const auto after = tags_.upper_bound(set.configuration);
     if (after == tags_.begin()) {
-      ++counters_.unknown_configuration;
+      ++counters_.unknown_configurations;
       notes_.push_back("frame dropped: it was made by configuration " +
                        std::to_string(set.configuration) + ", which is not ours");
       continue;
     }
-    Received received{std::move(set), std::prev(after)->second, host_, host_};
+    ReceivedFrames received{std::move(set), std::prev(after)->second, host_, host_};
     if (is_hosts(received.set)) {
       received.stamp = static_cast<double>(received.set.timestamp) * 1e-6;
     } else if (const auto stamp = clock_.to_host(received.set.timestamp)) {
@@ -122,7 +122,7 @@ void Session::deliver() {
     }
     const auto& images = received.set.images;
     if (std::any_of(images.begin(), images.end(), [](const cv::Mat& i) { return !i.empty(); })) {
-      trouble_.clear();
+      watchdog_trouble_ = LinkTrouble::kNone;
       ladder_ = 0;
     }
     received_.push_back(std::move(received));

@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/time_sync.hpp"
+#include "link/time_sync.hpp"
 
 #include <algorithm>
 

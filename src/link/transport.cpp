@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "fpga_stereo/link/hotplug_watch.hpp"
-#include "fpga_stereo/link/recording.hpp"
-#include "fpga_stereo/link/serial.hpp"
-#include "fpga_stereo/link/usb.hpp"
+#include "link/hotplug_watch.hpp"
+#include "link/recording.hpp"
+#include "link/serial.hpp"
+#include "link/usb.hpp"
 
 namespace fpga_stereo::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "usb_device.hpp"
+#include "link/usb_device.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <regex>
 #include <utility>
 
-#include "fpga_stereo/link/ftdi.hpp"
+#include "link/ftdi.hpp"
 
 namespace fpga_stereo::link {
 namespace {

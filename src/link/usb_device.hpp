@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "fpga_stereo/core/result.hpp"
-#include "fpga_stereo/link/usb.hpp"
+#include "link/usb.hpp"
 
 namespace fpga_stereo::link {
 

@@ -1,4 +1,4 @@
-#include "usb_transport.hpp"
+#include "link/usb_transport.hpp"
 
 #include <pthread.h>
 
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "fpga_stereo/link/ftdi.hpp"
+#include "link/ftdi.hpp"
 
 namespace fpga_stereo::link {
 namespace {

@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "fpga_stereo/link/usb.hpp"
-#include "usb_device.hpp"
+#include "link/usb.hpp"
+#include "link/usb_device.hpp"
 
 namespace fpga_stereo::link {
 

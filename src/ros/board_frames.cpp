@@ -10,7 +10,6 @@ namespace fpga_stereo {
 namespace {
 
 using link::FrameSet;
-using link::Session;
 using link::Stream;
 
 std::string text(cv::Size size) {
@@ -51,7 +50,7 @@ Status check_sizes(const FrameSet& set, cv::Size size) {
   return {};
 }
 
-Result<StereoFrame> frame_of_pair(const Session::Received& received, const BoardPlan::Made& made,
+Result<StereoFrame> frame_of_pair(const link::ReceivedFrames& received, const BoardPlan::Made& made,
                                   const InputPair& pair, const Demand& demand) {
   const FrameSet& set = received.set;
   if (set.image(Stream::kDisparity).empty()) return lacking(set, "disparity");
@@ -72,7 +71,7 @@ Result<StereoFrame> frame_of_pair(const Session::Received& received, const Board
   return begun;
 }
 
-StereoFrame frame_of_cameras(const Session::Received& received, const BoardPlan::Made& made,
+StereoFrame frame_of_cameras(const link::ReceivedFrames& received, const BoardPlan::Made& made,
                              const Demand& demand, const std_msgs::Header& header) {
   const FrameSet& set = received.set;
   StereoFrame frame;

@@ -6,7 +6,7 @@
 #include <std_msgs/Header.h>
 
 #include "fpga_stereo/core/result.hpp"
-#include "fpga_stereo/link/session.hpp"
+#include "fpga_stereo/link/frame_set.hpp"
 #include "ros/board_plan.hpp"
 #include "ros/frame.hpp"
 #include "ros/topic_input.hpp"
@@ -21,12 +21,11 @@ Status check_sizes(const link::FrameSet& set, cv::Size size);
 
 /// The frame of a pair that was sent to the board. Refuses sets without disparity, and pairs of
 /// another calibration than `made`.
-Result<StereoFrame> frame_of_pair(const link::Session::Received& received,
-                                  const BoardPlan::Made& made, const InputPair& pair,
-                                  const Demand& demand);
+Result<StereoFrame> frame_of_pair(const link::ReceivedFrames& received, const BoardPlan::Made& made,
+                                  const InputPair& pair, const Demand& demand);
 
 /// The frame of the board's own cameras: nothing but raw images where `made` has no rectification.
-StereoFrame frame_of_cameras(const link::Session::Received& received, const BoardPlan::Made& made,
+StereoFrame frame_of_cameras(const link::ReceivedFrames& received, const BoardPlan::Made& made,
                              const Demand& demand, const std_msgs::Header& header);
 
 /// The raw images of the board's own cameras, for the software. Refuses sets that lack one.

@@ -12,11 +12,11 @@ namespace fpga_stereo {
 namespace {
 
 using link::Stream;
+using link::StreamSet;
 
 constexpr std::size_t kKeptConfigurations = 8;  // frames of older ones are long through
 
-constexpr unsigned bit(Stream stream) { return 1U << static_cast<unsigned>(stream); }
-constexpr unsigned kRawPair = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
+constexpr StreamSet kRawPair{Stream::kRawLeft, Stream::kRawRight};
 
 bool wants_rectified(const CameraDemand& d) { return d.rect || d.rect_color; }
 bool wants_raw(const CameraDemand& d) { return d.mono || d.color; }
@@ -71,10 +71,9 @@ void BoardPlan::set_demand(const Demand& outputs, const CameraTopics::Demand& ca
 
 bool BoardPlan::lacks(const link::FrameSet& set) const {
   if (set.dropped.empty()) return false;
-  const unsigned sometimes = wanted_.raw_interval > 1 ? kRawPair : 0;
-  for (int s = 0; s < link::kNumStreams; ++s) {
-    const auto stream = static_cast<Stream>(s);
-    if ((wanted_.streams & ~sometimes & bit(stream)) != 0 && set.image(stream).empty()) return true;
+  const StreamSet sometimes = wanted_.raw_interval > 1 ? kRawPair : StreamSet();
+  for (const Stream stream : wanted_.streams - sometimes) {
+    if (set.image(stream).empty()) return true;
   }
   return false;
 }
@@ -112,7 +111,7 @@ void BoardPlan::configure() {
     const bool known = rectification && !calibrated.empty();
     made->image_size = known ? calibrated : settings_.image_size;
     able = raw_configuration(identity_->build, made->image_size);
-    if (!settings_.topic_input && (identity_->streams & kRawPair) != kRawPair) {
+    if (!settings_.topic_input && !identity_->streams.contains_all(kRawPair)) {
       unable_ += "; and this gateware does not send the raw images that the software needs";
     }
   }
@@ -120,7 +119,7 @@ void BoardPlan::configure() {
     unable_ = able.error().message;
     wanted_.configuration.reset();
   } else {
-    wanted_.configuration = *able;
+    wanted_.configuration = std::make_shared<const GatewareConfiguration>(std::move(*able));
   }
   if (unable_ != before && !unable_.empty()) {
     ROS_WARN_STREAM_NAMED("stereo", "the board cannot make this disparity: " << unable_);
@@ -131,42 +130,42 @@ void BoardPlan::configure() {
   want();
 }
 
-unsigned BoardPlan::streams_of_pairs() const {
-  if (!unable_.empty()) return 0;
-  unsigned streams = 0;
-  if (demand_.any()) streams |= bit(Stream::kDisparity);
-  if (wants_rectified(demand_.left)) streams |= bit(Stream::kRectifiedLeft);
-  if (wants_rectified(demand_.right) && !shifted()) streams |= bit(Stream::kRectifiedRight);
+link::StreamSet BoardPlan::streams_of_pairs() const {
+  if (!unable_.empty()) return {};
+  StreamSet streams;
+  if (demand_.any()) streams |= Stream::kDisparity;
+  if (wants_rectified(demand_.left)) streams |= Stream::kRectifiedLeft;
+  if (wants_rectified(demand_.right) && !shifted()) streams |= Stream::kRectifiedRight;
   return streams;
 }
 
-unsigned BoardPlan::rectified(Stream rectified, Stream raw) const {
-  return bit(identity_->can(rectified) ? rectified : raw);
+link::Stream BoardPlan::rectified(Stream rectified, Stream raw) const {
+  return identity_->supports(rectified) ? rectified : raw;
 }
 
-unsigned BoardPlan::streams_of_cameras() const {
-  unsigned streams = 0;
+link::StreamSet BoardPlan::streams_of_cameras() const {
+  StreamSet streams;
   if (!unable_.empty() && demand_.any()) streams |= kRawPair;
-  if (wants_raw(demand_.left) || cameras_.left) streams |= bit(Stream::kRawLeft);
-  if (wants_raw(demand_.right) || cameras_.right) streams |= bit(Stream::kRawRight);
+  if (wants_raw(demand_.left) || cameras_.left) streams |= Stream::kRawLeft;
+  if (wants_raw(demand_.right) || cameras_.right) streams |= Stream::kRawRight;
   if (unable_.empty()) {
-    if (demand_.disparity) streams |= bit(Stream::kDisparity);
+    if (demand_.disparity) streams |= Stream::kDisparity;
     if (wants_rectified(demand_.left)) {
       streams |= rectified(Stream::kRectifiedLeft, Stream::kRawLeft);
     }
     if (wants_rectified(demand_.right)) {
       // The board's right image is shifted by min_disparity: others expect one that is not.
-      streams |= shifted() ? bit(Stream::kRawRight)
-                           : rectified(Stream::kRectifiedRight, Stream::kRawRight);
+      streams |=
+          shifted() ? Stream::kRawRight : rectified(Stream::kRectifiedRight, Stream::kRawRight);
     }
   }
-  if (streams == 0 && cameras_.info) streams |= bit(Stream::kRawLeft);
+  if (streams.empty() && cameras_.info) streams |= Stream::kRawLeft;
   return streams;
 }
 
 std::string BoardPlan::missing_stream() const {
-  if (!identity_->can(Stream::kDisparity)) return "this gateware does not send a disparity";
-  if (settings_.topic_input && !identity_->can(Stream::kInput)) {
+  if (!identity_->supports(Stream::kDisparity)) return "this gateware does not send a disparity";
+  if (settings_.topic_input && !identity_->supports(Stream::kInput)) {
     return "this gateware takes no images from the host";
   }
   return "";
@@ -174,9 +173,9 @@ std::string BoardPlan::missing_stream() const {
 
 void BoardPlan::want() {
   if (!identity_) return;
-  unsigned streams = settings_.topic_input ? streams_of_pairs() : streams_of_cameras();
+  StreamSet streams = settings_.topic_input ? streams_of_pairs() : streams_of_cameras();
   // Raw images of every frame where somebody wants them, of some for verification alone.
-  const bool always = (streams & kRawPair) != 0;
+  const bool always = streams.contains_any(kRawPair);
   const bool verifies =
       settings_.verify > 0 && !settings_.topic_input && unable_.empty() && demand_.disparity;
   if (verifies) streams |= kRawPair;

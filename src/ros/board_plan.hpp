@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "fpga_stereo/link/frame_sets.hpp"
+#include "fpga_stereo/link/desired_state.hpp"
+#include "fpga_stereo/link/frame_set.hpp"
 #include "fpga_stereo/link/identity.hpp"
-#include "fpga_stereo/link/session.hpp"
 #include "ros/board_settings.hpp"
 #include "ros/camera_topics.hpp"
 #include "ros/frame.hpp"
@@ -47,7 +47,7 @@ class BoardPlan {
   const Demand& demand() const { return demand_; }
   const CameraTopics::Infos& calibration() const { return infos_; }
   /// What the device is to be told; means something where a board is present.
-  const link::Wanted& wanted() const { return wanted_; }
+  const link::DesiredState& wanted() const { return wanted_; }
   /// Something was dropped of a set, and it lacks an image that is wanted of every pair.
   bool lacks(const link::FrameSet& set) const;
   /// What frames of this tag are made from; null: that was long ago.
@@ -58,10 +58,10 @@ class BoardPlan {
   void configure();
   void want();
   /// Streams of all pairs; those for verification alone are not among them.
-  unsigned streams_of_cameras() const;
-  unsigned streams_of_pairs() const;
+  link::StreamSet streams_of_cameras() const;
+  link::StreamSet streams_of_pairs() const;
   /// A rectified image, or the raw one to be rectified here.
-  unsigned rectified(link::Stream rectified, link::Stream raw) const;
+  link::Stream rectified(link::Stream rectified, link::Stream raw) const;
   /// Why this build makes no disparity, whatever the settings; empty: it may.
   std::string missing_stream() const;
   bool shifted() const { return node_settings_.pipeline.min_disparity != 0; }
@@ -74,7 +74,7 @@ class BoardPlan {
   CameraTopics::Infos infos_;  // of the cameras, or of the latest pair
   Rectifier rectifier_;
   std::string unable_;
-  link::Wanted wanted_;
+  link::DesiredState wanted_;
   std::map<std::uint64_t, std::shared_ptr<const Made>> made_;  // by tag
 };
 

@@ -9,7 +9,6 @@ namespace fpga_stereo {
 namespace {
 
 using link::Device;
-using link::Session;
 
 std::uint64_t recoveries(const Device::Snapshot& board) {
   const auto& steps = board.session.steps;
@@ -17,7 +16,7 @@ std::uint64_t recoveries(const Device::Snapshot& board) {
 }
 
 std::uint64_t bad_packets(const Device::Snapshot& board) {
-  return board.line.bad_headers + board.line.bad_payloads + board.board.bad_packets;
+  return board.decoder.bad_headers + board.decoder.bad_payloads + board.board.bad_packets;
 }
 
 template <class T>
@@ -44,13 +43,13 @@ Lines lines(const Device::Snapshot& board) {
 }  // namespace
 
 void fill(const Device::Snapshot& board, const Verifier::Counters& verified, StereoStatus& status) {
-  if (board.state == Session::State::kClosed) {
-    status.board = "none: " + board.complaint;
+  if (board.state == link::LinkState::kClosed) {
+    status.board = "none: " + board.trouble_text;
   } else {
     status.board = std::string(name(board.state)) + ", " + board.description;
     if (board.identity) status.board += ", " + board.identity->text();
   }
-  status.board_opened = static_cast<std::uint32_t>(board.opened);
+  status.board_opened = static_cast<std::uint32_t>(board.times_opened);
   status.board_recoveries = static_cast<std::uint32_t>(recoveries(board));
   status.board_bad_packets = bad_packets(board);
   status.board_frames_dropped = board.board.frames_dropped;
@@ -66,26 +65,26 @@ void report_board(const Device::Snapshot& board, const Verifier::Counters& verif
     report.summary(Level::ERROR, "the board's disparity is not that of the software");
   } else if (!expected) {
     report.summary(Level::OK, "no board; software");
-  } else if (!board.complaint.empty()) {
-    report.summary(board.state == Session::State::kRefused ? Level::ERROR : Level::WARN,
-                   board.complaint);
+  } else if (board.trouble != link::LinkTrouble::kNone) {
+    report.summary(board.state == link::LinkState::kRefused ? Level::ERROR : Level::WARN,
+                   board.trouble_text);
   } else if (!unable.empty()) {
     report.summary(Level::WARN, "the board cannot make this disparity: " + unable);
   } else {
     report.summary(Level::OK, name(board.state));
   }
   for (const auto& [key, value] : lines(board)) report.add(key, value);
-  report.add("times opened", board.opened);
-  for (int step = 0; step < Session::kSteps; ++step) {
-    report.add(std::string("recovery: ") + name(static_cast<Session::Step>(step)),
+  report.add("times opened", board.times_opened);
+  for (int step = 0; step < link::kNumWatchdogSteps; ++step) {
+    report.add(std::string("recovery: ") + name(static_cast<link::WatchdogStep>(step)),
                board.session.steps[static_cast<std::size_t>(step)]);
   }
   report.add("requests", board.session.requests);
-  report.add("requests repeated", board.session.repeated);
+  report.add("requests repeated", board.session.retries);
   report.add("bytes in", board.transport.bytes_in);
-  report.add("packets in", board.line.packets);
-  report.add("packets lost", board.line.lost);
-  report.add("packets damaged", board.line.bad_headers + board.line.bad_payloads);
+  report.add("packets in", board.decoder.packets);
+  report.add("packets lost", board.decoder.lost_packets);
+  report.add("packets damaged", board.decoder.bad_headers + board.decoder.bad_payloads);
   report.add("frames good", board.frames.good);
   report.add("frames dropped", board.frames.dropped);
   report.add("board: frames in", board.board.frames_in);
@@ -106,12 +105,12 @@ std::string device_info(const Device::Snapshot& board) {
     all.append(key).append(": ").append(value).append("\n");
   };
   for (const auto& [key, value] : lines(board)) line(key, value);
-  if (!board.complaint.empty()) line("complaint", board.complaint);
+  if (board.trouble != link::LinkTrouble::kNone) line("complaint", board.trouble_text);
   if (board.identity) {
     const link::Identity& id = *board.identity;
     for (int s = 1; s < link::kNumStreams; ++s) {
       const auto stream = static_cast<link::Stream>(s);
-      line(std::string("stream ") + name(stream), id.can(stream) ? "yes" : "no");
+      line(std::string("stream ") + name(stream), id.supports(stream) ? "yes" : "no");
     }
     line("mesh nodes", text(id.build.mesh_nodes));
   }

@@ -11,7 +11,6 @@
 namespace fpga_stereo {
 namespace {
 
-using link::Session;
 using link::Stream;
 
 constexpr std::size_t kMostSent = 4;               // pairs under way in the board
@@ -36,14 +35,14 @@ link::Device::Options BoardSource::device_options() {
     return opened;
   };
   options.hotplug = link::watch_for(settings_.device);
-  options.session.frames.keep_incomplete = settings_.keep_incomplete;
+  options.session.keep_incomplete = settings_.keep_incomplete;
   return options;
 }
 
 link::Device::Callbacks BoardSource::device_callbacks() {
   link::Device::Callbacks callbacks;
-  callbacks.received = [this](const std::vector<Session::Received>& sets) {
-    for (const Session::Received& r : sets) received(r);
+  callbacks.received = [this](const std::vector<link::ReceivedFrames>& sets) {
+    for (const link::ReceivedFrames& r : sets) received(r);
   };
   callbacks.identified = [this](const link::Identity& identity) { identified(identity); };
   callbacks.closed = [this] { closed(); };
@@ -58,8 +57,8 @@ link::Device::Callbacks BoardSource::device_callbacks() {
 void BoardSource::tell() {
   if (!plan_.present()) return;
   // The board's numbers go on while nothing is sent.
-  if (plan_.wanted().streams == 0) last_frame_.reset();
-  device_.want(plan_.wanted());
+  if (plan_.wanted().streams.empty()) last_frame_.reset();
+  device_.set_desired_state(plan_.wanted());
 }
 
 void BoardSource::identified(const link::Identity& identity) {
@@ -97,7 +96,7 @@ void BoardSource::hand_on(const SentPairs& sent) {
 }
 
 void BoardSource::refresh() {
-  if (device_.snapshot().state == Session::State::kRefused) return closed();
+  if (device_.snapshot().state == link::LinkState::kRefused) return closed();
   if (settings_.topic_input || !present()) return;
   const CameraTopics::Infos infos = cameras_.infos();
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -153,7 +152,7 @@ bool BoardSource::send(const InputPair& pair) {
   const auto made = plan_.made(tag);
   const link::Device::Snapshot now = device_.snapshot();
   const bool able = plan_.unable().empty() && made && made->rectification &&
-                    now.state == Session::State::kStreaming && now.configured_tag == tag;
+                    now.state == link::LinkState::kStreaming && now.active_tag == tag;
   if (!able && sent_.empty()) return false;
   if (able) {
     const auto begun = begin_frame(pair, *made->rectification, made->settings);
@@ -183,13 +182,13 @@ std::string BoardSource::unable() const {
 }
 
 std::string BoardSource::complaint() const {
-  const std::string why = device_.snapshot().complaint;
-  return why.empty() ? "" : "board: " + why;
+  const link::Device::Snapshot now = device_.snapshot();
+  return now.trouble == link::LinkTrouble::kNone ? "" : "board: " + now.trouble_text;
 }
 
 bool BoardSource::expected() const {
   const bool asked_for = settings_.backend == Backend::kBoard || settings_.device != "usb";
-  return asked_for || !none_found_ || device_.snapshot().opened > 0;
+  return asked_for || !none_found_ || device_.snapshot().times_opened > 0;
 }
 
 void BoardSource::refuse(DropCause cause, const std::string& why) {
@@ -223,7 +222,7 @@ std::optional<InputPair> BoardSource::take_sent(std::uint64_t frame_id) {
   return sent.pair;
 }
 
-void BoardSource::received(const Session::Received& r) {
+void BoardSource::received(const link::ReceivedFrames& r) {
   std::shared_ptr<const BoardPlan::Made> made;
   std::optional<InputPair> pair;
   Demand demand;
@@ -236,7 +235,7 @@ void BoardSource::received(const Session::Received& r) {
       pair = take_sent(r.set.frame_id);
       if (!pair) return;
     } else {
-      if (plan_.wanted().streams == 0) return;  // sent before the last listener went
+      if (plan_.wanted().streams.empty()) return;  // sent before the last listener went
       lacks = plan_.lacks(r.set);
       count_lost(r.set);
     }
@@ -268,7 +267,7 @@ void BoardSource::verify(const link::FrameSet& set, const BoardPlan::Made& made,
                    set.image(Stream::kDisparity), made.rectification, made.settings.pipeline});
 }
 
-void BoardSource::take_pair(const Session::Received& r, const BoardPlan::Made& made,
+void BoardSource::take_pair(const link::ReceivedFrames& r, const BoardPlan::Made& made,
                             const InputPair& pair, const Demand& demand) {
   const auto frame = frame_of_pair(r, made, pair, demand);
   if (!frame) return refuse(DropCause::kLink, frame.error().message);
@@ -276,7 +275,7 @@ void BoardSource::take_pair(const Session::Received& r, const BoardPlan::Made& m
   callbacks_.frame(*frame);
 }
 
-void BoardSource::take_camera_frame(const Session::Received& r, const BoardPlan::Made& made,
+void BoardSource::take_camera_frame(const link::ReceivedFrames& r, const BoardPlan::Made& made,
                                     const Demand& demand) {
   const auto stamp = to_stamp(r.stamp);
   if (!stamp) return refuse(DropCause::kStamp, stamp.error().message);

@@ -79,10 +79,10 @@ class BoardSource {
   void closed();
   /// Pairs that the board will not answer any more.
   void hand_on(const SentPairs& sent);
-  void received(const link::Session::Received& received);
-  void take_pair(const link::Session::Received& received, const BoardPlan::Made& made,
+  void received(const link::ReceivedFrames& received);
+  void take_pair(const link::ReceivedFrames& received, const BoardPlan::Made& made,
                  const InputPair& pair, const Demand& demand);
-  void take_camera_frame(const link::Session::Received& received, const BoardPlan::Made& made,
+  void take_camera_frame(const link::ReceivedFrames& received, const BoardPlan::Made& made,
                          const Demand& demand);
   /// Where due, has the frame computed in software, too.
   void verify(const link::FrameSet& set, const BoardPlan::Made& made, const cv::Mat& left,

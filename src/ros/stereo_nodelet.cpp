@@ -270,11 +270,11 @@ void StereoNodelet::on_timer() {
 void StereoNodelet::announce_source() {
   if (!board_) return;
   const link::Device::Snapshot board = board_->snapshot();
-  const bool refused = board.state == link::Session::State::kRefused;
+  const bool refused = board.state == link::LinkState::kRefused;
   const std::string now = source(), unable = board_->unable();
-  const std::array<std::string, 3> all{now, unable, refused ? board.complaint : ""};
+  const std::array<std::string, 3> all{now, unable, refused ? board.trouble_text : ""};
   if (std::exchange(announced_, all) == all) return;
-  if (refused) NODELET_ERROR_STREAM("board: " << board.complaint);
+  if (refused) NODELET_ERROR_STREAM("board: " << board.trouble_text);
   const std::string why = board_->present() ? unable : board_->complaint();
   if (now == BoardSource::kName && board_->present()) {
     NODELET_INFO_STREAM("the disparity comes from the board: " << board.description);

@@ -1,5 +1,5 @@
 // The decoder against every damage: what is intact comes out, and nothing else.
-#include "fpga_stereo/link/decoder.hpp"
+#include "link/decoder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -55,10 +55,10 @@ std::vector<Bytes> decode(Decoder& decoder, const Bytes& stream, std::size_t pie
   }
   std::uint64_t before = 0;
   do {
-    before = decoder.counters().skipped;
-    decoder.give_up();
+    before = decoder.counters().skipped_bytes;
+    decoder.discard_partial_packet();
     take_out(decoder, out);
-  } while (decoder.counters().skipped != before);
+  } while (decoder.counters().skipped_bytes != before);
   return out;
 }
 
@@ -75,8 +75,8 @@ TEST(Decoder, AnySplitOfTheStream) {
     EXPECT_EQ(decode(decoder, stream, piece, random), sent) << piece;
     EXPECT_EQ(decoder.counters().bytes, stream.size());
     EXPECT_EQ(decoder.counters().packets, sent.size());
-    EXPECT_EQ(decoder.counters().skipped, 0U);
-    EXPECT_EQ(decoder.counters().lost, 0U);
+    EXPECT_EQ(decoder.counters().skipped_bytes, 0U);
+    EXPECT_EQ(decoder.counters().lost_packets, 0U);
   }
 }
 
@@ -88,7 +88,7 @@ TEST(Decoder, LostPacketsAreCountedAcrossTheWrap) {
   }
   Decoder decoder;
   EXPECT_EQ(decode(decoder, stream, 100, random).size(), 7U);
-  EXPECT_EQ(decoder.counters().lost, 2U + 2U);  // 0 and 1; after 1 came late: 2 and 3
+  EXPECT_EQ(decoder.counters().lost_packets, 2U + 2U);  // 0 and 1; after 1 came late: 2 and 3
 }
 
 TEST(Decoder, SilenceEndsWhatLooksLikeALongPacket) {
@@ -102,12 +102,12 @@ TEST(Decoder, SilenceEndsWhatLooksLikeALongPacket) {
   Decoder decoder;
   decoder.push(stream.data(), stream.size());
   EXPECT_FALSE(decoder.next());  // it may still come
-  decoder.give_up();
+  decoder.discard_partial_packet();
   std::vector<Bytes> out;
   take_out(decoder, out);
   EXPECT_EQ(out, std::vector<Bytes>{sent});
   EXPECT_EQ(decoder.counters().bad_payloads, 1U);
-  EXPECT_EQ(decoder.counters().skipped, link::kHeaderBytes);
+  EXPECT_EQ(decoder.counters().skipped_bytes, link::kHeaderBytes);
 }
 
 TEST(Decoder, AnUnknownVersionIsDelivered) {

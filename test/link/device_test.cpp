@@ -17,8 +17,6 @@ using link::Session;
 using link::Stream;
 using std::chrono::milliseconds;
 
-constexpr unsigned kDisparity = 1U << static_cast<unsigned>(Stream::kDisparity);
-
 /// A device on a board of software that two cameras feed.
 class Rig {
  public:
@@ -29,9 +27,9 @@ class Rig {
     options.session.step = milliseconds(50);
     options.session.answer = milliseconds(100);
     Device::Callbacks callbacks;
-    callbacks.received = [this](std::vector<Session::Received> sets) {
+    callbacks.received = [this](std::vector<link::ReceivedFrames> sets) {
       const std::lock_guard<std::mutex> lock(mutex_);
-      for (Session::Received& r : sets) {
+      for (link::ReceivedFrames& r : sets) {
         if (!same("disparity", expected_, r.set.image(Stream::kDisparity))) ++wrong_;
         ++good_;
       }
@@ -56,13 +54,14 @@ class Rig {
   }
 
   void want() {
-    link::Wanted wanted;
+    link::DesiredState wanted;
     const auto setting = SessionRig::setting(4);
-    wanted.configuration = *make_gateware_configuration(SessionRig::small_board().build,
-                                                        setting.parameters, setting.rectification);
+    wanted.configuration =
+        std::make_shared<const GatewareConfiguration>(*make_gateware_configuration(
+            SessionRig::small_board().build, setting.parameters, setting.rectification));
     wanted.tag = 4;
-    wanted.streams = kDisparity;
-    device->want(wanted);
+    wanted.streams = Stream::kDisparity;
+    device->set_desired_state(wanted);
   }
   int good() const {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -109,10 +108,10 @@ TEST(Device, StreamsWhatIsWanted) {
   ASSERT_TRUE(rig.wait_for_frames(10));
   EXPECT_EQ(rig.identified, 1);
   const Device::Snapshot s = rig.device->snapshot();
-  EXPECT_EQ(s.state, Session::State::kStreaming);
-  EXPECT_EQ(s.complaint, "");
+  EXPECT_EQ(s.state, link::LinkState::kStreaming);
+  EXPECT_EQ(s.trouble_text, "");
   EXPECT_EQ(s.description, "board that is a program");
-  EXPECT_EQ(s.opened, 1U);
+  EXPECT_EQ(s.times_opened, 1U);
   ASSERT_TRUE(s.identity);
   EXPECT_EQ(s.identity->build.disparities, 16);
   EXPECT_EQ(rig.wrong(), 0);
@@ -128,20 +127,20 @@ TEST(Device, SurvivesEveryUnplug) {
     if (i % 2 == 0) rig.line.reset_board();
     rig.line.plug(true);
     if (i % 20 == 0) {
-      ASSERT_TRUE(rig.wait_for_frames(2)) << i << rig.device->snapshot().complaint;
+      ASSERT_TRUE(rig.wait_for_frames(2)) << i << rig.device->snapshot().trouble_text;
     }
   }
   ASSERT_TRUE(rig.wait_for_frames(10));
   EXPECT_EQ(rig.wrong(), 0);
-  EXPECT_GE(rig.device->snapshot().opened, 20U);
+  EXPECT_GE(rig.device->snapshot().times_opened, 20U);
 }
 
 TEST(Device, SaysWhyThereIsNoBoard) {
   Rig rig;
   rig.line.plug(false);
   ASSERT_TRUE(
-      Rig::wait([&] { return rig.device->snapshot().complaint == "no board is plugged in"; }));
-  const auto answer = rig.device->ask(link::read_request({0}));
+      Rig::wait([&] { return rig.device->snapshot().trouble_text == "no board is plugged in"; }));
+  const auto answer = rig.device->read_registers({0});
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().message, "no board is plugged in");
   std::this_thread::sleep_for(milliseconds(50));
@@ -157,7 +156,7 @@ TEST(Device, TheWatchdogsStepsReachTheLine) {
   ASSERT_TRUE(Rig::wait([&] { return rig.line.recovered(link::Recovery::kReset) >= 1; }));
   EXPECT_GE(rig.line.recovered(link::Recovery::kPurge), 1);
   EXPECT_GE(rig.line.recovered(link::Recovery::kRestart), 1);
-  EXPECT_GE(rig.device->snapshot().opened, 2U);
+  EXPECT_GE(rig.device->snapshot().times_opened, 2U);
   rig.line.hold(false);
   ASSERT_TRUE(rig.wait_for_frames(3));
   EXPECT_EQ(rig.wrong(), 0);
@@ -168,7 +167,7 @@ TEST(Device, ResetOpensTheLineAnew) {
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(3));
   rig.device->reset();
-  ASSERT_TRUE(Rig::wait([&] { return rig.device->snapshot().opened == 2; }));
+  ASSERT_TRUE(Rig::wait([&] { return rig.device->snapshot().times_opened == 2; }));
   EXPECT_EQ(rig.line.recovered(link::Recovery::kReset), 1);
   ASSERT_TRUE(rig.wait_for_frames(3));
 }
@@ -182,7 +181,7 @@ TEST(Device, AnswersOthersWhileItStreams) {
   for (int t = 0; t < 3; ++t) {
     threads.emplace_back([&] {
       for (int i = 0; i < 20; ++i) {
-        const auto values = rig.device->ask(link::read_request({spec::kRegSpecHash}));
+        const auto values = rig.device->read_registers({spec::kRegSpecHash});
         if (values && (*values)[0].value == kSpecHash) ++right;
       }
     });

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "fpga_stereo/link/decoder.hpp"
+#include "link/decoder.hpp"
 #include "link/session_rig.hpp"
 #include "sim/virtual_board/faulty_board.hpp"
 

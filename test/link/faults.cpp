@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fpga_stereo/link/packet.hpp"
+#include "link/packet.hpp"
 
 namespace fpga_stereo::test {
 namespace {

@@ -1,5 +1,5 @@
 // Frames out of packets: whole, or not called whole.
-#include "fpga_stereo/link/frame_assembler.hpp"
+#include "link/frame_assembler.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,14 +14,14 @@
 namespace fpga_stereo::test {
 namespace {
 
-using link::Assembled;
+using link::AssembledFrame;
 using link::FrameAssembler;
 using link::Header;
 using link::Leader;
 using link::PacketType;
 using link::Stream;
 using link::Trailer;
-using Verdict = Assembled::Verdict;
+using Verdict = link::FrameVerdict;
 
 cv::Mat random_frame(cv::Size size, int type, unsigned seed) {
   cv::Mat image(size, type);
@@ -68,9 +68,9 @@ std::vector<Bytes> packets(const cv::Mat& image, std::uint64_t frame_id, int row
   return out;
 }
 
-std::vector<Assembled> assemble(FrameAssembler& assembler, const std::vector<Bytes>& packets) {
+std::vector<AssembledFrame> assemble(FrameAssembler& assembler, const std::vector<Bytes>& packets) {
   link::Decoder decoder;
-  std::vector<Assembled> out;
+  std::vector<AssembledFrame> out;
   for (const Bytes& packet : packets) {
     decoder.push(packet.data(), packet.size());
     while (const auto found = decoder.next()) assembler.add(*found, out);
@@ -90,7 +90,7 @@ TEST(FrameAssembler, FramesOfEveryKind) {
         EXPECT_TRUE(same("frame", image, out[0].image));
         EXPECT_EQ(out[0].frame_id, ~std::uint64_t{0});
         EXPECT_EQ(out[0].configuration, 42U);
-        EXPECT_EQ(assembler.counters().refused, 0U);
+        EXPECT_EQ(assembler.counters().refused_packets, 0U);
       }
     }
   }
@@ -119,7 +119,7 @@ TEST(FrameAssembler, MissingRows) {
   FrameAssembler strict;
   auto out = assemble(strict, sent);
   ASSERT_EQ(out.size(), 1U);
-  EXPECT_TRUE(out[0].dropped());
+  EXPECT_TRUE(out[0].is_dropped());
   EXPECT_EQ(out[0].text(), "disparity frame 7 dropped: 2 of 6 rows are missing");
   EXPECT_EQ(strict.counters().dropped, 1U);
 
@@ -150,7 +150,7 @@ TEST(FrameAssembler, LostTrailerAndLostLeader) {
   ASSERT_EQ(out.size(), 2U);
   EXPECT_EQ(out[0].text(), "disparity frame 1 dropped: it did not end");
   EXPECT_EQ(out[1].text(), "disparity frame 2 is good");
-  EXPECT_EQ(assembler.counters().refused, 4U);  // of the third
+  EXPECT_EQ(assembler.counters().refused_packets, 4U);  // of the third
 }
 
 TEST(FrameAssembler, RowsOfAnotherFrameAreNotTaken) {
@@ -183,7 +183,7 @@ TEST(FrameAssembler, FramesThatTheBoardCallsBad) {
     FrameAssembler assembler(FrameAssembler::Options{true});
     const auto out = assemble(assembler, packets(image, 1, 1, flags));
     ASSERT_EQ(out.size(), 1U);
-    EXPECT_TRUE(out[0].dropped());
+    EXPECT_TRUE(out[0].is_dropped());
     EXPECT_EQ(out[0].text(), std::string("disparity frame 1 dropped: ") + text);
   }
 }
@@ -196,7 +196,7 @@ TEST(FrameAssembler, ASignatureThatIsNotTheBoards) {
   sent[2] = other[2];
   const auto out = assemble(assembler, sent);
   ASSERT_EQ(out.size(), 1U);
-  EXPECT_TRUE(out[0].dropped());
+  EXPECT_TRUE(out[0].is_dropped());
   EXPECT_EQ(out[0].text(), "disparity frame 1 dropped: its signature is not the board's");
 }
 
@@ -207,7 +207,7 @@ TEST(FrameAssembler, ImpossibleContentsAreRefused) {
     sent.insert(sent.begin() + 1, Bytes());
     link::append_packet(header, payload.data(), payload.size(), sent[1]);
     const auto out = assemble(assembler, sent);
-    return assembler.counters().refused == 1 && out.size() == 1 && !out[0].dropped();
+    return assembler.counters().refused_packets == 1 && out.size() == 1 && !out[0].is_dropped();
   };
   Header rows;
   rows.frame_id = 1;
@@ -285,8 +285,8 @@ TEST(FrameAssembler, DamagedStreamsGiveGoodFramesOrNone) {
       damage(stream, 0, stream.size(), static_cast<Fault>(random() % kNumFaults), random);
     }
     FrameAssembler assembler;
-    for (const Assembled& out : assemble(assembler, {stream})) {
-      if (out.dropped()) {
+    for (const AssembledFrame& out : assemble(assembler, {stream})) {
+      if (out.is_dropped()) {
         ++bad;
         continue;
       }

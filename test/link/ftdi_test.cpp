@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/ftdi.hpp"
+#include "link/ftdi.hpp"
 
 #include <gtest/gtest.h>
 

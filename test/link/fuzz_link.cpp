@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "fpga_stereo/link/decoder.hpp"
-#include "fpga_stereo/link/frame_assembler.hpp"
+#include "link/decoder.hpp"
+#include "link/frame_assembler.hpp"
 
 namespace {
 
-using fpga_stereo::link::Assembled;
+using fpga_stereo::link::AssembledFrame;
 using fpga_stereo::link::Decoder;
 using fpga_stereo::link::FrameAssembler;
 using fpga_stereo::link::Header;
@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t piece = 1 + data[1];
   Decoder decoder;
   FrameAssembler assembler(FrameAssembler::Options{(data[0] & 2) != 0});
-  std::vector<Assembled> frames;
+  std::vector<AssembledFrame> frames;
   std::uint64_t in_packets = 0;
   const auto take_out = [&] {
     while (const auto packet = decoder.next()) {
@@ -57,14 +57,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     take_out();
   }
   for (std::size_t i = 0; i <= stream.size(); ++i) {
-    decoder.give_up();
+    decoder.discard_partial_packet();
     take_out();
   }
   assembler.reset(frames);
   // Every byte is in a packet or skipped, and no frame comes out that cannot be.
-  if (in_packets + decoder.counters().skipped != stream.size()) std::abort();
-  for (const Assembled& frame : frames) {
-    if (frame.verdict == Assembled::Verdict::kGood && (frame.flags != 0 || frame.missing_rows != 0))
+  if (in_packets + decoder.counters().skipped_bytes != stream.size()) std::abort();
+  for (const AssembledFrame& frame : frames) {
+    if (frame.verdict == link::FrameVerdict::kGood && (frame.flags != 0 || frame.missing_rows != 0))
       std::abort();
     if (frame.text().empty()) std::abort();
   }

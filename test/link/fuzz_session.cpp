@@ -14,9 +14,10 @@ using fpga_stereo::link::Header;
 using fpga_stereo::link::PacketType;
 using fpga_stereo::link::Session;
 using fpga_stereo::link::Stream;
+using fpga_stereo::link::StreamSet;
 using fpga_stereo::test::SessionRig;
 
-constexpr unsigned kStreams = 0x3E;
+constexpr StreamSet kStreams = StreamSet::all() - Stream::kInput;
 constexpr std::size_t kMostOutgoing = 8192;  // bytes: a request, some of them again
 
 class Program {
@@ -57,13 +58,13 @@ void require(bool what) {
 
 /// Whatever the board says: images of their stream's type, all of a set of one size, made by what
 /// was wanted.
-void check(const Session::Received& received, const std::set<std::uint64_t>& tags) {
+void check(const link::ReceivedFrames& received, const std::set<std::uint64_t>& tags) {
   require(tags.count(received.tag) != 0);
   std::optional<cv::Size> size;
   for (int s = 0; s < fpga_stereo::link::kNumStreams; ++s) {
     const cv::Mat& image = received.set.image(static_cast<Stream>(s));
     if (image.empty()) continue;
-    require((1U << s & kStreams) != 0);
+    require(kStreams.contains(static_cast<Stream>(s)));
     require(image.type() == (static_cast<Stream>(s) == Stream::kDisparity ? CV_16UC1 : CV_8UC1));
     require(image.size() == size.value_or(image.size()));
     size = image.size();
@@ -114,7 +115,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const SessionRig::Setting& setting = settings[program.next() % 2];
         const std::uint8_t tag = program.next();
         tags.insert(tag);
-        rig.session.want(rig.wanted(setting, tag, kStreams));
+        rig.session.set_desired_state(rig.wanted(setting, tag, kStreams));
         break;
       }
       case 5:
@@ -135,6 +136,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   check_lost_line(rig.session, unanswered);
   for (auto& r : rig.session.take_received()) rig.received.push_back(std::move(r));
-  for (const Session::Received& r : rig.received) check(r, tags);
+  for (const link::ReceivedFrames& r : rig.received) check(r, tags);
   return 0;
 }

@@ -11,7 +11,7 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "fpga_stereo/link/serial.hpp"
+#include "link/serial.hpp"
 
 namespace fpga_stereo::test {
 

@@ -1,5 +1,5 @@
 // Packets, byte by byte.
-#include "fpga_stereo/link/packet.hpp"
+#include "link/packet.hpp"
 
 #include <gtest/gtest.h>
 

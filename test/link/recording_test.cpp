@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/recording.hpp"
+#include "link/recording.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "fpga_stereo/link/packet.hpp"
+#include "link/packet.hpp"
 #include "link/test_folder.hpp"
 #include "link/transport_suite.hpp"
 

@@ -1,4 +1,4 @@
-#include "fpga_stereo/link/serial.hpp"
+#include "link/serial.hpp"
 
 #include <asm/termbits.h>
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 // A session whose board takes its pairs from the host; the times of frames that come late.
 #include <gtest/gtest.h>
 
-#include "fpga_stereo/link/session.hpp"
+#include "link/session.hpp"
 #include "link/streaming_rig.hpp"
 
 namespace fpga_stereo::test {
@@ -14,9 +14,9 @@ constexpr std::uint64_t kStamp = 1600000000000000;  // us
 
 /// Lets the board take pairs of the host; true: it does.
 bool take_pairs(Streaming& rig) {
-  link::Wanted wanted = rig.wanted(SessionRig::setting(5), 5, kDisparity);
+  link::DesiredState wanted = rig.wanted(SessionRig::setting(5), 5, kDisparity);
   wanted.host_input = true;
-  rig.session.want(wanted);
+  rig.session.set_desired_state(wanted);
   if (!rig.run_until([&] { return rig.streaming(); })) return false;
   rig.run(20);  // until what it did before is no more
   return rig.streaming();
@@ -32,7 +32,7 @@ TEST(Session, PairsOfTheHostComeBackWithItsNumbersAndStamps) {
   }
   ASSERT_EQ(rig.received.size(), 6U) << "and none of the cameras";
   for (std::size_t i = 0; i < 6; ++i) {
-    const Session::Received& r = rig.received[i];
+    const link::ReceivedFrames& r = rig.received[i];
     EXPECT_EQ(r.set.frame_id, 100 + i);
     EXPECT_EQ(r.set.timestamp, kStamp + 33333 * i);
     EXPECT_TRUE(same("disparity", SessionRig::expected(rig.pairs[i % 2], SessionRig::setting(5)),
@@ -58,7 +58,7 @@ TEST(Session, RequestsBehindPairsOnASlowLineAreAnswered) {
   }
   rig.expect_true_frames();
   EXPECT_TRUE(rig.steps.empty());
-  EXPECT_EQ(rig.session.counters().repeated, 0U);
+  EXPECT_EQ(rig.session.counters().retries, 0U);
   EXPECT_TRUE(rig.streaming());
 }
 
@@ -74,7 +74,7 @@ TEST(Session, FramesUnderWayKeepTheStampsOfWhatMadeThem) {
     rig.run(100);
   }
   std::size_t hosts = 0;
-  for (const Session::Received& r : rig.received) {
+  for (const link::ReceivedFrames& r : rig.received) {
     const bool is_hosts = r.set.frame_id < 5 && r.set.timestamp == kStamp;
     hosts += is_hosts ? 1 : 0;
     EXPECT_NEAR(r.stamp, is_hosts ? kStamp * 1e-6 : r.arrived, 0.005) << r.set.frame_id;
@@ -95,7 +95,7 @@ TEST(Session, FramesThatALostLineCutsHaveArrivedThen) {
   rig.session.closed();
   const auto left = rig.session.take_received();
   ASSERT_FALSE(left.empty());
-  for (const Session::Received& r : left) {
+  for (const link::ReceivedFrames& r : left) {
     EXPECT_NEAR(r.arrived, rig.host, 0.001);
     EXPECT_NEAR(r.stamp, rig.host, 0.03);
   }

@@ -4,8 +4,8 @@
 #include <random>
 #include <set>
 
-#include "fpga_stereo/link/session.hpp"
 #include "link/faults.hpp"
+#include "link/session.hpp"
 #include "link/streaming_rig.hpp"
 
 namespace fpga_stereo::test {
@@ -13,8 +13,8 @@ namespace {
 
 using link::Session;
 using link::Stream;
-using State = Session::State;
-using Step = Session::Step;
+using State = link::LinkState;
+using Step = link::WatchdogStep;
 
 TEST(Session, NoFaultOfTheLineMakesAFrameWrong) {
   std::mt19937 random(11);
@@ -34,10 +34,10 @@ TEST(Session, NoFaultOfTheLineMakesAFrameWrong) {
     const auto recovered = [&] {
       return rig.good() > before + 2 && rig.received.back().tag == 1U + round % 7;
     };
-    ASSERT_TRUE(rig.run_until(recovered, 15000)) << round << ": " << rig.session.complaint();
+    ASSERT_TRUE(rig.run_until(recovered, 15000)) << round << ": " << rig.session.trouble_text();
   }
   rig.expect_true_frames();
-  EXPECT_GT(rig.session.counters().repeated, 10U);
+  EXPECT_GT(rig.session.counters().retries, 10U);
   EXPECT_GT(rig.session.line().bad_payloads, 10U);
   EXPECT_GT(rig.session.frames().dropped, 10U);
 }
@@ -52,7 +52,7 @@ TEST(Session, AThousandUnplugsInEveryState) {
     rig.run(static_cast<int>(random() % 60));
     states.insert(rig.session.state());
     rig.session.closed();
-    EXPECT_EQ(rig.session.complaint(), "no board");
+    EXPECT_EQ(rig.session.trouble_text(), "no board");
     if (random() % 2 == 0) rig.board.reset();  // its power comes from the line, or not
     rig.run(static_cast<int>(random() % 5));
     rig.received.clear();
@@ -64,7 +64,7 @@ TEST(Session, AThousandUnplugsInEveryState) {
       ++ms;
     }
     longest = std::max(longest, ms);
-    ASSERT_GT(rig.good(), 0U) << i << ": " << rig.session.complaint();
+    ASSERT_GT(rig.good(), 0U) << i << ": " << rig.session.trouble_text();
     rig.expect_true_frames();
   }
   EXPECT_EQ(states, (std::set<State>{State::kIdentifying, State::kConfiguring, State::kStreaming}));
@@ -82,11 +82,11 @@ TEST(Session, ASilentBoardIsPurgedRestartedReopenedReset) {
   const std::vector<Step> expected{Step::kPurge, Step::kRestart, Step::kReopen, Step::kReset,
                                    Step::kReset};
   EXPECT_EQ(std::vector<Step>(rig.steps.begin(), rig.steps.begin() + 5), expected);
-  EXPECT_EQ(rig.session.complaint(), "the board does not answer");
+  EXPECT_EQ(rig.session.trouble_text(), "the board does not answer");
   rig.line_open = true;
   rig.received.clear();
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
-  EXPECT_EQ(rig.session.complaint(), "");
+  EXPECT_EQ(rig.session.trouble_text(), "");
   // The next time it begins with the mildest.
   rig.line_open = false;
   rig.steps.clear();
@@ -119,8 +119,8 @@ TEST(Session, CamerasThatDeliverNothingAreNoStall) {
 TEST(Session, ALineCutInAFrameIsPurgedRestartedReopenedReset) {
   for (const bool keep_incomplete : {false, true}) {
     Streaming rig;
-    Session::Options options;
-    options.frames.keep_incomplete = keep_incomplete;
+    link::SessionOptions options;
+    options.keep_incomplete = keep_incomplete;
     rig.session = Session(options);
     rig.session.opened(rig.now);
     rig.want(1);
@@ -136,7 +136,7 @@ TEST(Session, ALineCutInAFrameIsPurgedRestartedReopenedReset) {
     ASSERT_GE(rig.steps.size(), 4U);
     const std::vector<Step> expected{Step::kPurge, Step::kRestart, Step::kReopen, Step::kReset};
     EXPECT_EQ(std::vector<Step>(rig.steps.begin(), rig.steps.begin() + 4), expected);
-    EXPECT_EQ(rig.session.complaint(), "the board does not answer");
+    EXPECT_EQ(rig.session.trouble_text(), "the board does not answer");
   }
 }
 
@@ -144,7 +144,7 @@ TEST(Session, StreamsThatAreSwitchedOnAreNoStall) {
   Streaming rig;
   rig.frame_ms = 43;              // more than ten between two polls
   for (int i = 0; i < 40; ++i) {  // at all times between two polls
-    rig.want(1, 0);
+    rig.want(1, {});
     rig.run(913);
     ASSERT_EQ(rig.session.state(), State::kReady);
     rig.want(1);
@@ -155,15 +155,15 @@ TEST(Session, StreamsThatAreSwitchedOnAreNoStall) {
 
 TEST(Session, TheComplaintEndsWithTheTroubleWhereNothingIsStreamed) {
   Streaming rig;
-  rig.want(1, 0);
+  rig.want(1, {});
   rig.run(1000);
   rig.line_open = false;
   ASSERT_TRUE(rig.run_until([&] { return !rig.steps.empty(); }));
-  EXPECT_NE(rig.session.complaint(), "");
+  EXPECT_NE(rig.session.trouble_text(), "");
   rig.line_open = true;
   rig.run(2000);
   EXPECT_EQ(rig.session.state(), State::kReady);
-  EXPECT_EQ(rig.session.complaint(), "");
+  EXPECT_EQ(rig.session.trouble_text(), "");
 }
 
 TEST(Session, ABoardThatRefusesASettingIsLeftInPeace) {
@@ -186,7 +186,7 @@ TEST(Session, ARefusalThatPassesIsTriedAgain) {
   rig.board.hold_frame(true);
   rig.want(8);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }, 10000));
-  EXPECT_EQ(rig.session.complaint(),
+  EXPECT_EQ(rig.session.trouble_text(),
             "the board does not take its configuration: no frame has ended for 2 s");
   rig.board.hold_frame(false);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }, 11000));
@@ -254,7 +254,7 @@ TEST(Session, ALostAnswerIsAskedForAgain) {
   };
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 0; }));
-  EXPECT_EQ(rig.session.counters().repeated, 3U);
+  EXPECT_EQ(rig.session.counters().retries, 3U);
   EXPECT_TRUE(rig.steps.empty());
 }
 

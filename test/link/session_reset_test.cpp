@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "fpga_stereo/link/session.hpp"
+#include "link/session.hpp"
 #include "link/streaming_rig.hpp"
 
 namespace fpga_stereo::test {
@@ -39,22 +39,22 @@ TEST(Session, ABoardThatWasResetIsConfiguredAgain) {
   const std::size_t before = rig.good();
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > before + 10; }));
   rig.expect_true_frames();
-  for (const Session::Received& r : rig.received) EXPECT_NEAR(r.stamp, r.arrived, 0.005);
+  for (const link::ReceivedFrames& r : rig.received) EXPECT_NEAR(r.stamp, r.arrived, 0.005);
   EXPECT_TRUE(rig.noted("the board was reset"));
   EXPECT_TRUE(rig.steps.empty());
 }
 
 TEST(Session, AResetIsToldByTheClockWhereNoRegisterTells) {
   Streaming rig;
-  link::Wanted nothing;
-  nothing.as_it_is = true;
-  rig.session.want(nothing);
+  link::DesiredState nothing;
+  nothing.keep_configuration = true;
+  rig.session.set_desired_state(nothing);
   rig.run(1000);
-  ASSERT_EQ(rig.session.state(), Session::State::kReady);
+  ASSERT_EQ(rig.session.state(), link::LinkState::kReady);
   rig.board.reset();
   rig.run(1000);
   EXPECT_TRUE(rig.noted("the board was reset"));
-  EXPECT_EQ(rig.session.state(), Session::State::kReady);
+  EXPECT_EQ(rig.session.state(), link::LinkState::kReady);
 }
 
 TEST(Session, AResetBeforeTheApplyIsNoticed) {
@@ -67,10 +67,10 @@ TEST(Session, AResetBeforeTheApplyIsNoticed) {
       rig.board.run(clock);
     };
     rig.want(4);
-    ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; })) << rig.session.complaint();
+    ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; })) << rig.session.trouble_text();
     rig.expect_true_frames();
     EXPECT_LE(resets, 0);
-    EXPECT_EQ(rig.session.counters().configured, 1U);
+    EXPECT_EQ(rig.session.counters().configurations, 1U);
   }
 }
 
@@ -89,9 +89,9 @@ TEST(Session, AResetBehindTheApplyIsNoticed) {
     };
     rig.want(5);
     ASSERT_TRUE(rig.run_until([&] { return rig.received.back().tag == 5 && rig.good() > 10; }))
-        << rig.session.complaint();
+        << rig.session.trouble_text();
     rig.expect_true_frames();
-    EXPECT_EQ(rig.session.counters().unknown_configuration, 0U);
+    EXPECT_EQ(rig.session.counters().unknown_configurations, 0U);
     EXPECT_TRUE(rig.steps.empty());
   }
 }
@@ -113,10 +113,10 @@ TEST(Session, AnApplyWhoseAnswerIsLostTakesEffectTwice) {
   rig.want(5);
   ASSERT_TRUE(rig.run_until([&] { return applied == 2; }));
   rig.run(30);
-  EXPECT_EQ(rig.session.counters().configured, 1U) << "one still waits";
+  EXPECT_EQ(rig.session.counters().configurations, 1U) << "one still waits";
   rig.board.hold_frame(false);
   rig.run(2000);
-  EXPECT_EQ(rig.session.counters().configured, 2U);
+  EXPECT_EQ(rig.session.counters().configurations, 2U);
   EXPECT_EQ(rig.board.peek(spec::kRegConfiguration), 3U);
   EXPECT_FALSE(rig.noted("the board was reset"));
   EXPECT_EQ(rig.received.back().tag, 5U);

@@ -48,12 +48,13 @@ cv::Mat1w SessionRig::expected(const sim::GreyPair& pair, const Setting& setting
       .disparity.clone();
 }
 
-link::Wanted SessionRig::wanted(const Setting& setting, std::uint64_t tag, unsigned streams) const {
-  link::Wanted wanted;
+link::DesiredState SessionRig::wanted(const Setting& setting, std::uint64_t tag,
+                                      link::StreamSet streams) const {
+  link::DesiredState wanted;
   auto made =
       make_gateware_configuration(small_board().build, setting.parameters, setting.rectification);
   if (!made) throw std::runtime_error(made.error().message);
-  wanted.configuration = *made;
+  wanted.configuration = std::make_shared<const GatewareConfiguration>(std::move(*made));
   wanted.tag = tag;
   wanted.streams = streams;
   return wanted;

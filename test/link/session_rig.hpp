@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/reference_pipeline.hpp"
-#include "fpga_stereo/link/session.hpp"
+#include "link/session.hpp"
 #include "sim/virtual_board/software_board.hpp"
 
 namespace fpga_stereo::test {
@@ -32,7 +32,8 @@ class SessionRig {
   static cv::Mat1w expected(const sim::GreyPair& pair, const Setting& setting);
 
   /// That setting with this tag, these streams.
-  link::Wanted wanted(const Setting& setting, std::uint64_t tag, unsigned streams) const;
+  link::DesiredState wanted(const Setting& setting, std::uint64_t tag,
+                            link::StreamSet streams) const;
 
   /// Lets time pass, a ms at a time. The cameras deliver a pair each `frame_ms`, if any are set.
   void run(int ms);
@@ -46,9 +47,9 @@ class SessionRig {
   std::size_t bytes_per_ms = 1 << 20;             // that the line takes from the host
   bool line_open = true;                          // false: nothing passes either way
   std::function<void(Bytes&)> to_host, to_board;  // faults
-  std::vector<link::Session::Received> received;
+  std::vector<link::ReceivedFrames> received;
   std::vector<std::string> notes;
-  std::vector<link::Session::Step> steps;
+  std::vector<link::WatchdogStep> steps;
   link::Session::Time now{std::chrono::seconds(1000)};
   double host = 5000;  // s
 

@@ -1,5 +1,5 @@
 // A session with a board of software at the other end of a line that does what lines do.
-#include "fpga_stereo/link/session.hpp"
+#include "link/session.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace {
 
 using link::Session;
 using link::Stream;
-using State = Session::State;
+using State = link::LinkState;
 
 TEST(Session, BringsEveryStreamOfABoard) {
   Streaming rig;
@@ -18,12 +18,12 @@ TEST(Session, BringsEveryStreamOfABoard) {
   rig.want(7, kAll);
   ASSERT_TRUE(rig.run_until([&] { return rig.received.size() >= 20; }));
   ASSERT_TRUE(rig.streaming());
-  EXPECT_EQ(rig.session.complaint(), "");
+  EXPECT_EQ(rig.session.trouble_text(), "");
   const SessionRig::Setting setting = SessionRig::setting(7);
   ReferencePipeline pipeline;
   const Taps& taps = pipeline.process(rig.pairs[0].left, rig.pairs[0].right, setting.rectification,
                                       setting.parameters, 1);
-  for (const Session::Received& r : rig.received) {
+  for (const link::ReceivedFrames& r : rig.received) {
     EXPECT_EQ(r.tag, 7U);
     EXPECT_TRUE(r.set.dropped.empty());
     EXPECT_TRUE(same("disparity", taps.disparity, r.set.image(Stream::kDisparity)));
@@ -43,7 +43,7 @@ TEST(Session, StampsInTheHostsTimeAcrossTheWrapOfTheBoards) {
   rig.run(15000);  // the board's clock wraps after 10 s, its frame_id after 16 frames
   ASSERT_GE(rig.good(), 700U);
   double last = 0;
-  for (const Session::Received& r : rig.received) {
+  for (const link::ReceivedFrames& r : rig.received) {
     EXPECT_GT(r.stamp, last);
     last = r.stamp;
   }
@@ -53,9 +53,9 @@ TEST(Session, StampsInTheHostsTimeAcrossTheWrapOfTheBoards) {
 
 TEST(Session, MidExposureIsBeforeTheFirstPixel) {
   Streaming rig;
-  link::Wanted wanted = rig.wanted(SessionRig::setting(1), 1, kDisparity);
+  link::DesiredState wanted = rig.wanted(SessionRig::setting(1), 1, kDisparity);
   wanted.mid_exposure = std::chrono::microseconds(8000);
-  rig.session.want(wanted);
+  rig.session.set_desired_state(wanted);
   ASSERT_TRUE(rig.run_until([&] { return rig.received.size() >= 3; }));
   EXPECT_NEAR(rig.received.back().stamp, rig.host - 0.008, 0.003);
 }
@@ -68,7 +68,7 @@ TEST(Session, ChangedSettingsNeverMixWithFramesOfTheOldOnes) {
     rig.run(20 + static_cast<int>(seed) % 90);
   }
   rig.expect_true_frames();
-  for (const Session::Received& r : rig.received) tags.insert(r.tag);
+  for (const link::ReceivedFrames& r : rig.received) tags.insert(r.tag);
   EXPECT_GE(tags.size(), 30U);
   EXPECT_EQ(rig.received.back().tag, 40U);
   EXPECT_TRUE(rig.steps.empty());
@@ -80,22 +80,22 @@ TEST(Session, MeshesAreSentWhereTheyChangeOnly) {
   ASSERT_TRUE(rig.run_until([&] { return rig.streaming(); }));
   EXPECT_EQ(rig.board.peek(spec::kRegMeshSwaps), 1U);
   rig.want(6);  // the same min_disparity
-  ASSERT_TRUE(rig.run_until([&] { return rig.session.counters().configured == 2; }));
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.counters().configurations == 2; }));
   EXPECT_EQ(rig.board.peek(spec::kRegMeshSwaps), 1U);
   rig.want(7);
-  ASSERT_TRUE(rig.run_until([&] { return rig.session.counters().configured == 3; }));
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.counters().configurations == 3; }));
   EXPECT_EQ(rig.board.peek(spec::kRegMeshSwaps), 2U);
 }
 
 TEST(Session, NothingComesThatNobodyWants) {
   Streaming rig;
-  rig.want(1, 0);
+  rig.want(1, {});
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kReady; }));
   const auto packets = rig.session.line().bytes;
   rig.run(2000);
   EXPECT_LT(rig.session.line().bytes - packets, 1200U) << "four polls and four heartbeats";
   EXPECT_TRUE(rig.received.empty());
-  rig.want(1, bit(Stream::kRawLeft));
+  rig.want(1, Stream::kRawLeft);
   ASSERT_TRUE(rig.run_until([&] { return !rig.received.empty(); }));
   EXPECT_TRUE(rig.received[0].set.image(Stream::kDisparity).empty());
   EXPECT_FALSE(rig.received[0].set.image(Stream::kRawLeft).empty());
@@ -103,31 +103,31 @@ TEST(Session, NothingComesThatNobodyWants) {
 
 TEST(Session, ABoardIsTakenAsItIs) {
   Streaming rig;
-  rig.want(3, 0);
+  rig.want(3, {});
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kReady; }));
   const std::uint32_t configuration = rig.board.peek(spec::kRegConfiguration);
   // Another session: it knows nothing of that configuration, and leaves it alone.
   rig.session = link::Session();
-  link::Wanted wanted;
-  wanted.as_it_is = true;
+  link::DesiredState wanted;
+  wanted.keep_configuration = true;
   wanted.tag = 3;  // the setting that the frames are compared with
   wanted.streams = kDisparity;
-  rig.session.want(wanted);
+  rig.session.set_desired_state(wanted);
   rig.session.opened(rig.now);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 5; }));
   rig.expect_true_frames();
   EXPECT_TRUE(rig.streaming());
   EXPECT_EQ(rig.received[0].set.configuration, configuration);
   EXPECT_EQ(rig.board.peek(spec::kRegConfiguration), configuration);
-  EXPECT_EQ(rig.session.counters().configured, 0U);
+  EXPECT_EQ(rig.session.counters().configurations, 0U);
 }
 
 TEST(Session, RawImagesOfEveryNthPair) {
   Streaming rig;
-  link::Wanted wanted = rig.wanted(SessionRig::setting(1), 1, kAll);
+  link::DesiredState wanted = rig.wanted(SessionRig::setting(1), 1, kAll);
   wanted.frame_interval = 2;
   wanted.raw_interval = 3;
-  rig.session.want(wanted);
+  rig.session.set_desired_state(wanted);
   rig.run(2000);
   ASSERT_GE(rig.received.size(), 40U);
   int raw = 0;
@@ -158,7 +158,8 @@ TEST_P(Misfits, AreRefusedByName) {
   Streaming rig(options);
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }));
-  EXPECT_EQ(rig.session.complaint().rfind(GetParam().complaint, 0), 0U) << rig.session.complaint();
+  EXPECT_EQ(rig.session.trouble_text().rfind(GetParam().complaint, 0), 0U)
+      << rig.session.trouble_text();
   rig.run(1500);
   EXPECT_TRUE(rig.received.empty());
   EXPECT_TRUE(rig.steps.empty());
@@ -190,7 +191,7 @@ TEST_P(Defects, AreFoundByReadingBack) {
   Streaming rig(options);
   rig.want(8);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }));
-  EXPECT_EQ(rig.session.complaint(), GetParam().complaint);
+  EXPECT_EQ(rig.session.trouble_text(), GetParam().complaint);
   EXPECT_TRUE(rig.received.empty());
   EXPECT_EQ(rig.board.peek(spec::kRegStreams), 0U);
 }

@@ -11,11 +11,10 @@
 
 namespace fpga_stereo::test {
 
-constexpr unsigned bit(link::Stream s) { return 1U << static_cast<unsigned>(s); }
-constexpr unsigned kDisparity = bit(link::Stream::kDisparity);
-constexpr unsigned kAll = kDisparity | bit(link::Stream::kRectifiedLeft) |
-                          bit(link::Stream::kRectifiedRight) | bit(link::Stream::kRawLeft) |
-                          bit(link::Stream::kRawRight);
+constexpr link::StreamSet kDisparity = link::Stream::kDisparity;
+constexpr link::StreamSet kAll{link::Stream::kDisparity, link::Stream::kRectifiedLeft,
+                               link::Stream::kRectifiedRight, link::Stream::kRawLeft,
+                               link::Stream::kRawRight};
 
 /// A rig whose cameras see two pairs, with what every setting makes of them.
 class Streaming : public SessionRig {
@@ -25,14 +24,14 @@ class Streaming : public SessionRig {
     pairs = {pair(1), pair(2)};
   }
 
-  void want(unsigned seed, unsigned streams = kDisparity) {
-    session.want(wanted(setting(seed), seed, streams));
+  void want(unsigned seed, link::StreamSet streams = kDisparity) {
+    session.set_desired_state(wanted(setting(seed), seed, streams));
   }
-  bool streaming() const { return session.state() == link::Session::State::kStreaming; }
+  bool streaming() const { return session.state() == link::LinkState::kStreaming; }
 
   /// Every disparity that came is what the setting of its tag makes of one of the pairs.
   void expect_true_frames() {
-    for (const link::Session::Received& r : received) {
+    for (const link::ReceivedFrames& r : received) {
       const cv::Mat& disparity = r.set.image(link::Stream::kDisparity);
       if (disparity.empty()) continue;
       const auto& known = known_disparities(static_cast<unsigned>(r.tag));
@@ -44,7 +43,7 @@ class Streaming : public SessionRig {
   }
   std::size_t good() const {
     return static_cast<std::size_t>(
-        std::count_if(received.begin(), received.end(), [](const link::Session::Received& r) {
+        std::count_if(received.begin(), received.end(), [](const link::ReceivedFrames& r) {
           return !r.set.image(link::Stream::kDisparity).empty();
         }));
   }

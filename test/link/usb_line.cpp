@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fpga_stereo/link/hotplug_watch.hpp"
+#include "link/hotplug_watch.hpp"
 #include "link/transport_suite.hpp"
 
 namespace fpga_stereo::test {

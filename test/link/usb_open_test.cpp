@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "fpga_stereo/link/device.hpp"
-#include "fpga_stereo/link/hotplug_watch.hpp"
-#include "fpga_stereo/link/usb.hpp"
+#include "link/hotplug_watch.hpp"
 #include "link/transport_suite.hpp"
+#include "link/usb.hpp"
 #include "link/usb_line.hpp"
 
 namespace fpga_stereo::test {

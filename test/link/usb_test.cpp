@@ -1,6 +1,6 @@
 // The USB transport on an emulated FT232H: what every transport does, and what can go wrong with
 // this chip.
-#include "fpga_stereo/link/usb.hpp"
+#include "link/usb.hpp"
 
 #include <gtest/gtest.h>
 

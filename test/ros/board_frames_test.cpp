@@ -57,7 +57,7 @@ TEST(BoardFrames, ImagesOfAnotherSizeAreRefused) {
 
 TEST(BoardFrames, AShiftedRightImageIsNotPassedOn) {
   BoardPlan::Made made = made_of(synthetic_pair(kSize, 4));
-  link::Session::Received received;
+  link::ReceivedFrames received;
   image(received.set, Stream::kRectifiedRight) = cv::Mat1b(kSize, 7);
   EXPECT_FALSE(frame_of_cameras(received, made, {}, {}).right.rect.empty());
   made.settings.pipeline.min_disparity = 8;
@@ -67,7 +67,7 @@ TEST(BoardFrames, AShiftedRightImageIsNotPassedOn) {
 TEST(BoardFrames, WhatTheBoardDoesNotSendIsRectifiedHere) {
   const PairMessages pair = synthetic_pair(kSize, 4, true);
   const BoardPlan::Made made = made_of(pair);
-  link::Session::Received received;
+  link::ReceivedFrames received;
   image(received.set, Stream::kRawLeft) = cv::Mat1b(kSize, 100);
   Demand demand;
   demand.left.rect = true;
@@ -82,7 +82,7 @@ TEST(BoardFrames, WhatTheBoardDoesNotSendIsRectifiedHere) {
 TEST(BoardFrames, PairsThatLackSomethingAreRefusedByName) {
   const PairMessages pair = synthetic_pair(kSize, 4);
   BoardPlan::Made made = made_of(pair);
-  link::Session::Received received;
+  link::ReceivedFrames received;
   const InputPair sent{boost::make_shared<sensor_msgs::Image>(pair.left),
                        boost::make_shared<sensor_msgs::Image>(pair.right),
                        boost::make_shared<sensor_msgs::CameraInfo>(pair.left_info),

@@ -9,15 +9,15 @@ namespace fpga_stereo::test {
 namespace {
 
 using link::Stream;
+using link::StreamSet;
 
-constexpr unsigned bit(Stream s) { return 1U << static_cast<unsigned>(s); }
-constexpr unsigned kDisparity = bit(Stream::kDisparity);
-constexpr unsigned kRawPair = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
+constexpr StreamSet kDisparity = Stream::kDisparity;
+constexpr StreamSet kRawPair{Stream::kRawLeft, Stream::kRawRight};
 
 link::Identity identity() {
   link::Identity made;
   made.build = {640, 64, 11, 15, CensusPattern::kSparse, 102, 81 * 61};
-  made.streams = 0x7E;
+  made.streams = StreamSet::all();
   return made;
 }
 
@@ -32,7 +32,7 @@ struct Planned {
     plan.set_calibration(calibration());
     plan.set_identity(identity());
   }
-  unsigned streams(const Demand& outputs, const CameraTopics::Demand& cameras = {}) {
+  StreamSet streams(const Demand& outputs, const CameraTopics::Demand& cameras = {}) {
     plan.set_demand(outputs, cameras);
     return plan.wanted().streams;
   }
@@ -51,45 +51,44 @@ Demand demand(bool disparity, bool left_rect = false, bool right_rect = false) {
 TEST(BoardPlan, StreamsAreWhatSomebodyListensTo) {
   Planned p;
   EXPECT_EQ(p.plan.unable(), "");
-  EXPECT_EQ(p.streams(demand(false)), 0U);
+  EXPECT_EQ(p.streams(demand(false)), StreamSet());
   EXPECT_EQ(p.streams(demand(true)), kDisparity);
-  EXPECT_EQ(p.streams(demand(true, true)), kDisparity | bit(Stream::kRectifiedLeft));
-  EXPECT_EQ(p.streams(demand(false, false, true)), bit(Stream::kRectifiedRight));
-  EXPECT_EQ(p.streams(demand(true), {true, false, false}), kDisparity | bit(Stream::kRawLeft));
-  EXPECT_EQ(p.streams(demand(false), {false, false, true}), bit(Stream::kRawLeft))
+  EXPECT_EQ(p.streams(demand(true, true)), kDisparity | Stream::kRectifiedLeft);
+  EXPECT_EQ(p.streams(demand(false, false, true)), Stream::kRectifiedRight);
+  EXPECT_EQ(p.streams(demand(true), {true, false, false}), kDisparity | Stream::kRawLeft);
+  EXPECT_EQ(p.streams(demand(false), {false, false, true}), Stream::kRawLeft)
       << "a camera_info needs something that tells its stamp";
 }
 
 TEST(BoardPlan, StreamsThatTheBuildLacksAreNotAskedFor) {
   Planned p;
-  const auto lacking = [&](unsigned streams) {
+  const auto lacking = [&](StreamSet streams) {
     link::Identity board = identity();
-    board.streams = static_cast<std::uint8_t>(board.streams & ~streams);
+    board.streams -= streams;
     p.plan.set_identity(board);
   };
-  lacking(bit(Stream::kRectifiedLeft) | bit(Stream::kRectifiedRight));
+  lacking({Stream::kRectifiedLeft, Stream::kRectifiedRight});
   EXPECT_EQ(p.plan.unable(), "");
-  EXPECT_EQ(p.streams(demand(true, true)), kDisparity | bit(Stream::kRawLeft))
-      << "it is rectified here";
-  EXPECT_EQ(p.streams(demand(true, false, true)), kDisparity | bit(Stream::kRawRight));
-  lacking(bit(Stream::kRectifiedLeft) | kRawPair);
+  EXPECT_EQ(p.streams(demand(true, true)), kDisparity | Stream::kRawLeft) << "it is rectified here";
+  EXPECT_EQ(p.streams(demand(true, false, true)), kDisparity | Stream::kRawRight);
+  lacking(kRawPair | Stream::kRectifiedLeft);
   EXPECT_EQ(p.streams(demand(true, true)), kDisparity);
   lacking(kDisparity);
   EXPECT_EQ(p.plan.unable(), "this gateware does not send a disparity");
   EXPECT_EQ(p.streams(demand(true)), kRawPair);
   EXPECT_FALSE(p.plan.made(p.plan.wanted().tag)->rectification) << "the software's";
-  lacking(kDisparity | bit(Stream::kRawRight));
+  lacking(kDisparity | Stream::kRawRight);
   EXPECT_EQ(p.plan.unable(),
             "this gateware does not send a disparity; and this gateware does not send the raw "
             "images that the software needs");
-  EXPECT_EQ(p.streams(demand(true)), bit(Stream::kRawLeft));
+  EXPECT_EQ(p.streams(demand(true)), Stream::kRawLeft);
 
   BoardSettings settings;
   settings.topic_input = true;
   Planned topics(settings);
   EXPECT_EQ(topics.plan.unable(), "");
   link::Identity board = identity();
-  board.streams &= ~bit(Stream::kInput);
+  board.streams -= Stream::kInput;
   topics.plan.set_identity(board);
   EXPECT_EQ(topics.plan.unable(), "this gateware takes no images from the host");
 }
@@ -117,7 +116,7 @@ TEST(BoardPlan, TheRightImageOfAShiftedSearchIsRectifiedHere) {
   settings.pipeline.min_disparity = 8;
   p.plan.set_settings(settings);
   ASSERT_EQ(p.plan.unable(), "");
-  EXPECT_EQ(p.streams(demand(true, false, true)), kDisparity | bit(Stream::kRawRight));
+  EXPECT_EQ(p.streams(demand(true, false, true)), kDisparity | Stream::kRawRight);
 }
 
 TEST(BoardPlan, VerificationNeedsRawImagesOfSomeFrames) {
@@ -126,7 +125,7 @@ TEST(BoardPlan, VerificationNeedsRawImagesOfSomeFrames) {
   Planned p(settings);
   EXPECT_EQ(p.streams(demand(true)), kDisparity | kRawPair);
   EXPECT_EQ(p.plan.wanted().raw_interval, 30);
-  EXPECT_EQ(p.streams(demand(false, true)), bit(Stream::kRectifiedLeft));
+  EXPECT_EQ(p.streams(demand(false, true)), Stream::kRectifiedLeft);
   p.streams(demand(true), {true, false, false});
   EXPECT_EQ(p.plan.wanted().raw_interval, 1) << "somebody looks at them";
 }
@@ -163,14 +162,14 @@ TEST(BoardPlan, PairsOfTopicsWaitForACalibration) {
   plan.set_identity(identity());
   plan.set_demand(demand(true, false, true), {});
   EXPECT_EQ(plan.unable(), "no calibrated pair has come on its topics yet");
-  EXPECT_EQ(plan.wanted().streams, 0U);
+  EXPECT_EQ(plan.wanted().streams, StreamSet());
   plan.set_calibration(calibration());
   EXPECT_EQ(plan.unable(), "");
   EXPECT_TRUE(plan.wanted().host_input);
-  EXPECT_EQ(plan.wanted().streams, kDisparity | bit(Stream::kRectifiedRight));
+  EXPECT_EQ(plan.wanted().streams, kDisparity | Stream::kRectifiedRight);
   EXPECT_EQ(plan.made(plan.wanted().tag)->image_size, cv::Size(320, 240));
   plan.set_demand(demand(false, true), {true, true, true});
-  EXPECT_EQ(plan.wanted().streams, kDisparity | bit(Stream::kRectifiedLeft))
+  EXPECT_EQ(plan.wanted().streams, kDisparity | Stream::kRectifiedLeft)
       << "raw images are on topics already; what came back is known by its disparity";
 }
 

@@ -245,7 +245,7 @@ TEST(BoardIdle, GoesOnWithoutStreamsThatTheBuildLacks) {
   std::string line;
   ros::param::get("~line", line);
   sim::SoftwareBoard::Options options;
-  options.streams = 1U << kStreamDisparity | 1U << kStreamRawLeft;
+  options.streams = {link::Stream::kDisparity, link::Stream::kRawLeft};
   PtyBoard board(line, options);
   const PairMessages pair = synthetic_pair(kSize, 12, true);
   board.watch({grey(pair.left), grey(pair.right)});

@@ -14,9 +14,9 @@
 
 #include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/spec.hpp"
-#include "fpga_stereo/link/frame_assembler.hpp"
 #include "fpga_stereo/link/identity.hpp"
-#include "fpga_stereo/link/request.hpp"
+#include "link/frame_assembler.hpp"
+#include "link/request.hpp"
 #include "rtl/link/ft245_chip.hpp"
 #include "rtl/link/sensor_port.hpp"
 #include "support/compare.hpp"
@@ -25,7 +25,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-using link::Assembled;
+using link::AssembledFrame;
 using link::PacketType;
 using link::Request;
 using link::Stream;
@@ -123,7 +123,7 @@ class BoardRig {
   void discard_partial_packet() { decoder_ = {}; }
   std::int64_t clocks() const { return clocks_; }
   /// Runs until one more frame has arrived.
-  Assembled next_frame() {
+  AssembledFrame next_frame() {
     const std::size_t have = frames.size();
     run_until([&] { return frames.size() > have; });
     return frames[have];
@@ -135,7 +135,7 @@ class BoardRig {
   TwoWireSensor registers[2] = {TwoWireSensor(kAddress), TwoWireSensor(kAddress)};
   Parameters parameters;
   StereoRectification rectification;
-  std::vector<Assembled> frames;
+  std::vector<AssembledFrame> frames;
 
  private:
   bool uses_serial_line() const { return (board.sw_i & 2) != 0; }
@@ -254,7 +254,7 @@ void expect_build(const link::Identity& identity) {
   EXPECT_TRUE(identity.check()) << identity.check().error().message;
   EXPECT_EQ(identity.build.max_width, 64);
   EXPECT_EQ(identity.build.disparities, 16);
-  EXPECT_EQ(identity.streams, 0x7E);
+  EXPECT_EQ(identity.streams, link::StreamSet::all());
   EXPECT_EQ(identity.clock_hz, 10000000U);
 }
 
@@ -274,8 +274,8 @@ TEST(Board, SendsCameraFramesOverUsb) {
     const SensorPort::Blanking blanking = {5, 20, 2000};
     rig.sensors[kLeft].frame(left, blanking);
     rig.sensors[kRight].frame(right, blanking);
-    const Assembled frame = rig.next_frame();
-    ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
+    const AssembledFrame frame = rig.next_frame();
+    ASSERT_EQ(frame.verdict, link::FrameVerdict::kGood) << frame.text();
     const cv::Rect window((kSensorWidth - kWidth) / 2, (kSensorHeight - kHeight) / 2, kWidth,
                           kHeight);
     const cv::Mat1w expected = rig.run_reference(left(window).clone(), right(window).clone());
@@ -297,10 +297,10 @@ TEST(Board, SendsCameraFramesOverUsb) {
   rig.sensors[kRight].frame(black, {5, 20, 2000});
   rig.sensors[kLeft].idle(kSensorWidth + 20);
   for (auto& sensor : rig.sensors) sensor.frame(black, {5, 20, 2000});
-  const Assembled cut = rig.next_frame();
-  EXPECT_EQ(cut.verdict, Assembled::Verdict::kFlagged);
+  const AssembledFrame cut = rig.next_frame();
+  EXPECT_EQ(cut.verdict, link::FrameVerdict::kFlagged);
   EXPECT_EQ(cut.flags, link::kCutFrame);
-  EXPECT_EQ(rig.next_frame().verdict, Assembled::Verdict::kGood);
+  EXPECT_EQ(rig.next_frame().verdict, link::FrameVerdict::kGood);
   EXPECT_EQ(rig.board.led_o >> 7, 1);
   rig.board.btn_i = 3;
   rig.run(20);
@@ -322,8 +322,8 @@ TEST(Board, SendsThePatternOverUsbAndResets) {
   EXPECT_GT(cv::countNonZero(expected == kDisparityScale * kNearDisparity), kWidth * kHeight / 16);
   EXPECT_GT(cv::countNonZero(expected == kDisparityScale * kFarDisparity), kWidth * kHeight / 16);
   for (int i = 0; i < 3; ++i) {
-    const Assembled frame = rig.next_frame();
-    ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
+    const AssembledFrame frame = rig.next_frame();
+    ASSERT_EQ(frame.verdict, link::FrameVerdict::kGood) << frame.text();
     EXPECT_TRUE(same("disparity", expected, cv::Mat1w(frame.image)));
   }
   rig.board.btn_i = 0;
@@ -352,8 +352,8 @@ TEST(Board, SwitchesInputBetweenFrames) {
   rig.board.sw_i = 1;
   EXPECT_EQ(rig.next_frame().flags, link::kCutFrame);
   for (int i = 0; i < 2; ++i) {
-    const Assembled frame = rig.next_frame();
-    ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
+    const AssembledFrame frame = rig.next_frame();
+    ASSERT_EQ(frame.verdict, link::FrameVerdict::kGood) << frame.text();
     EXPECT_TRUE(same("disparity", bright, cv::Mat1w(frame.image)));
   }
   // Switching back happens in the middle of a pattern frame and of a camera frame.
@@ -367,8 +367,8 @@ TEST(Board, SwitchesInputBetweenFrames) {
   ASSERT_GE(rig.frames.size(), from + 2);
   for (std::size_t i = from; i < rig.frames.size(); ++i) {
     SCOPED_TRACE(i - from);
-    const Assembled& frame = rig.frames[i];
-    ASSERT_EQ(frame.verdict, Assembled::Verdict::kGood) << frame.text();
+    const AssembledFrame& frame = rig.frames[i];
+    ASSERT_EQ(frame.verdict, link::FrameVerdict::kGood) << frame.text();
     const bool last = i + 1 == rig.frames.size();
     EXPECT_TRUE(same("disparity", last ? dark : bright, cv::Mat1w(frame.image)));
   }

@@ -11,7 +11,7 @@
 #include "InputSelect.h"
 #include "Time.h"
 #include "fpga_stereo/core/spec.hpp"
-#include "fpga_stereo/link/packet.hpp"
+#include "link/packet.hpp"
 
 namespace fpga_stereo::test {
 namespace {

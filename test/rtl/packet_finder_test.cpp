@@ -6,7 +6,7 @@
 #include <random>
 
 #include "PacketFinder.h"
-#include "fpga_stereo/link/decoder.hpp"
+#include "link/decoder.hpp"
 #include "link/faults.hpp"
 
 namespace fpga_stereo::test {
@@ -153,10 +153,10 @@ void expect_equal_results(const Bytes& stream, unsigned seed, double flow_chance
   take_packets(decoder, expected);
   std::uint64_t before = 0;
   do {
-    before = decoder.counters().skipped;
-    decoder.give_up();
+    before = decoder.counters().skipped_bytes;
+    decoder.discard_partial_packet();
     take_packets(decoder, expected);
-  } while (decoder.counters().skipped != before);
+  } while (decoder.counters().skipped_bytes != before);
   FinderRig rig(seed, flow_chance);
   rig.push(stream);
   // The silence discards all partial packets, one after the other.
@@ -168,7 +168,7 @@ void expect_equal_results(const Bytes& stream, unsigned seed, double flow_chance
   }
   EXPECT_EQ(rig.bad_packets, decoder.counters().bad_headers + decoder.counters().bad_payloads)
       << seed;
-  EXPECT_EQ(rig.lost_packets, decoder.counters().lost) << seed;
+  EXPECT_EQ(rig.lost_packets, decoder.counters().lost_packets) << seed;
   EXPECT_EQ(rig.intact_packets, decoder.counters().packets) << seed;
 }
 

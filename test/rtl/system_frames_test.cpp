@@ -32,8 +32,8 @@ void expect_good(SystemRig& rig, const std::vector<GreyPair>& pairs, const Param
                  const StereoRectification& rectification, std::uint32_t streams,
                  std::uint64_t first_id, std::uint32_t configuration) {
   ReferencePipeline pipeline;
-  std::map<std::pair<std::uint64_t, Stream>, const Assembled*> received;
-  for (const Assembled& frame : rig.frames) {
+  std::map<std::pair<std::uint64_t, Stream>, const AssembledFrame*> received;
+  for (const AssembledFrame& frame : rig.frames) {
     EXPECT_EQ(frame.verdict, Verdict::kGood) << frame.text();
     const bool once = received.insert({{frame.frame_id, frame.stream}, &frame}).second;
     EXPECT_TRUE(once) << frame.text();
@@ -81,9 +81,9 @@ TEST(RtlSystemFrames, EqualSoftwareInEveryStream) {
     EXPECT_EQ(rig.read(spec::kRegConfiguration), configuration);
   }
   EXPECT_EQ(rig.read(spec::kRegFramesDropped), 0U);
-  EXPECT_EQ(rig.counters().lost, 0U);
-  EXPECT_EQ(rig.counters().skipped, 0U);
-  EXPECT_EQ(rig.frame_counters().refused, 0U);
+  EXPECT_EQ(rig.counters().lost_packets, 0U);
+  EXPECT_EQ(rig.counters().skipped_bytes, 0U);
+  EXPECT_EQ(rig.frame_counters().refused_packets, 0U);
 }
 
 TEST(RtlSystemFrames, EqualSoftwareAtOnePixelPerClock) {
@@ -127,7 +127,7 @@ TEST(RtlSystemFrames, TimestampIsTheMiddleOfTheExposure) {
   const std::int64_t before = rig.system().microseconds();
   rig.system().feed(textured_pairs(size, 1, 1)[0]);
   rig.run_until_frames(5);
-  for (const Assembled& frame : rig.frames) {
+  for (const AssembledFrame& frame : rig.frames) {
     EXPECT_NEAR(static_cast<double>(frame.timestamp), static_cast<double>(before) - 5000, 60)
         << frame.text();
   }
@@ -158,7 +158,7 @@ TEST(RtlSystemFrames, ASlowLineDropsWholeFramesAndCountsThem) {
   rig.system().feed(pairs[13]);
   const auto has_last_frames = [&] {
     int good = 0;
-    for (const Assembled& f : rig.frames) good += f.frame_id >= kFirstFrame + 12 ? 1 : 0;
+    for (const AssembledFrame& f : rig.frames) good += f.frame_id >= kFirstFrame + 12 ? 1 : 0;
     return good == 10;
   };
   rig.run_until(has_last_frames);
@@ -166,7 +166,7 @@ TEST(RtlSystemFrames, ASlowLineDropsWholeFramesAndCountsThem) {
   std::uint32_t flagged = 0, good = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Taps& taps = pipeline.process(pairs[i].left, pairs[i].right, rectification, p, 1);
-    for (const Assembled& frame : rig.frames) {
+    for (const AssembledFrame& frame : rig.frames) {
       if (frame.frame_id != kFirstFrame + i) continue;
       if (frame.verdict == Verdict::kGood) {
         ++good;
@@ -193,7 +193,7 @@ TEST(RtlSystemFrames, ASlowLineDropsWholeFramesAndCountsThem) {
       EXPECT_EQ(packet.payload.at(0), rows[key]);
     }
   }
-  EXPECT_EQ(rig.counters().skipped, 0U);
+  EXPECT_EQ(rig.counters().skipped_bytes, 0U);
   rig.write(spec::kRegControl, spec::kControlClear.put(1));
   EXPECT_EQ(rig.read(spec::kRegFramesDropped), 0U);
 }
@@ -222,7 +222,7 @@ TEST(RtlSystemFrames, CarryTheIdOfTheConfigurationThatMadeThem) {
   }
   rig.run_until_frames(5 * pairs.size());
   ReferencePipeline pipeline;
-  for (const Assembled& frame : rig.frames) {
+  for (const AssembledFrame& frame : rig.frames) {
     EXPECT_EQ(frame.verdict, Verdict::kGood);
     const std::size_t i = frame.frame_id - kFirstFrame;
     EXPECT_EQ(frame.configuration, i / 2 + 1) << frame.text();
@@ -239,7 +239,7 @@ TEST(RtlSystemFrames, CarryTheIdOfTheConfigurationThatMadeThem) {
 /// Returns the numbers of the pairs whose frame of this stream was received; all must be good.
 std::vector<std::uint64_t> pair_numbers(const SystemRig& rig, Stream stream) {
   std::vector<std::uint64_t> numbers;
-  for (const Assembled& frame : rig.frames) {
+  for (const AssembledFrame& frame : rig.frames) {
     EXPECT_EQ(frame.verdict, Verdict::kGood) << frame.text();
     if (frame.stream == stream) numbers.push_back(frame.frame_id - kFirstFrame);
   }
@@ -299,7 +299,7 @@ TEST(RtlSystemFrames, BeginOnlyWhileAHostIsHeard) {
 /// Returns the flags of a pair's frames by stream; 0 means good.
 std::map<Stream, std::uint32_t> flags_of(const SystemRig& rig, std::uint64_t id) {
   std::map<Stream, std::uint32_t> flags;
-  for (const Assembled& frame : rig.frames) {
+  for (const AssembledFrame& frame : rig.frames) {
     if (frame.frame_id != id) continue;
     EXPECT_EQ(frame.verdict, frame.flags == 0 ? Verdict::kGood : Verdict::kFlagged) << frame.text();
     flags[frame.stream] = frame.flags;

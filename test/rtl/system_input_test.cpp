@@ -54,7 +54,7 @@ class RtlSystemInput : public ::testing::Test {
     rig_.write(spec::kRegStreams, kAllStreams);
     rig_.write(spec::kRegInput, spec::kInputHost.put(1));
   }
-  void expect_good(const Assembled& frame, const GreyPair& pair, const HostPair& host_pair) {
+  void expect_good(const AssembledFrame& frame, const GreyPair& pair, const HostPair& host_pair) {
     const Taps& taps = pipeline_.process(pair.left, pair.right, rectification_, parameters_, 1);
     EXPECT_EQ(frame.verdict, Verdict::kGood) << frame.text();
     EXPECT_EQ(frame.frame_id, host_pair.id);
@@ -77,7 +77,7 @@ TEST_F(RtlSystemInput, FramesCarryTheIdAndTimeOfTheirPair) {
     send_pair(rig_, pairs[i], host_pair);
   }
   rig_.run_until_frames(5 * pairs.size());
-  for (const Assembled& frame : rig_.frames) {
+  for (const AssembledFrame& frame : rig_.frames) {
     const std::size_t i = (frame.frame_id - HostPair{}.id) / 3;
     HostPair host_pair;
     host_pair.id += 3 * i;
@@ -103,7 +103,7 @@ TEST_F(RtlSystemInput, ASlowLineStallsThePipelineAndDropsNothing) {
   slow.tx = 0.15;
   rig_.system().set_flow(slow);
   rig_.run_until_frames(5 * pairs.size());
-  for (const Assembled& frame : rig_.frames) {
+  for (const AssembledFrame& frame : rig_.frames) {
     HostPair host_pair;
     host_pair.id = frame.frame_id;
     expect_good(frame, pairs.at(host_pair.id), host_pair);
@@ -128,7 +128,7 @@ TEST_F(RtlSystemInput, PairsOfOneRowKeepTheirIds) {
   rig_.run(50000);
   rig_.system().set_flow({});
   rig_.run_until_frames(5 * pairs.size());
-  for (const Assembled& frame : rig_.frames) {
+  for (const AssembledFrame& frame : rig_.frames) {
     HostPair host_pair;
     host_pair.id = frame.frame_id;
     host_pair.timestamp = 1000 * host_pair.id;
@@ -143,7 +143,7 @@ TEST_F(RtlSystemInput, IgnoresRepeatedRows) {
   host_pair.copies = [](int y) { return y % 5 == 2 ? 2 : 1; };
   send_pair(rig_, pair, host_pair);
   rig_.run_until_frames(5);
-  for (const Assembled& frame : rig_.frames) expect_good(frame, pair, host_pair);
+  for (const AssembledFrame& frame : rig_.frames) expect_good(frame, pair, host_pair);
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 0U);
 }
 
@@ -166,7 +166,7 @@ TEST_F(RtlSystemInput, FlagsPairsWithMissingRowsAsCut) {
       good.id = 1000 + errors;
       send_pair(rig_, pairs[1], good);
       rig_.run_until_frames(10);
-      for (const Assembled& frame : rig_.frames) {
+      for (const AssembledFrame& frame : rig_.frames) {
         if (frame.frame_id == good.id) {
           expect_good(frame, pairs[1], good);
         } else {
@@ -190,7 +190,7 @@ TEST_F(RtlSystemInput, CountsAMissingTrailer) {
   next.id = 1;
   send_pair(rig_, pairs[1], next);
   rig_.run_until_frames(10);
-  for (const Assembled& frame : rig_.frames) {
+  for (const AssembledFrame& frame : rig_.frames) {
     if (frame.frame_id == host_pair.id) expect_good(frame, pairs[0], host_pair);
     if (frame.frame_id == next.id) expect_good(frame, pairs[1], next);
   }
@@ -226,7 +226,7 @@ TEST_F(RtlSystemInput, IgnoresRowsWithoutLeaderAndInvalidLeaders) {
   good.id = 6;
   send_pair(rig_, pairs[0], good);
   rig_.run_until_frames(5);
-  for (const Assembled& frame : rig_.frames) expect_good(frame, pairs[0], good);
+  for (const AssembledFrame& frame : rig_.frames) expect_good(frame, pairs[0], good);
   EXPECT_EQ(rig_.read(spec::kRegInputErrors), 0U);
 }
 
@@ -237,7 +237,7 @@ TEST_F(RtlSystemInput, FlagsPairsOfAnotherSizeThanConfigured) {
   const GreyPair pair = textured_pairs(kSize, 1, 4)[0];
   send_pair(rig_, pair, good);
   rig_.run_until_frames(10);
-  for (const Assembled& frame : rig_.frames) {
+  for (const AssembledFrame& frame : rig_.frames) {
     if (frame.frame_id == good.id) {
       expect_good(frame, pair, good);
     } else {
@@ -256,7 +256,7 @@ TEST_F(RtlSystemInput, SwitchesBetweenCamerasAndHost) {
   HostPair host_pair;
   send_pair(rig_, pairs[1], host_pair);
   rig_.run_until_frames(5);
-  for (const Assembled& frame : rig_.frames) expect_good(frame, pairs[1], host_pair);
+  for (const AssembledFrame& frame : rig_.frames) expect_good(frame, pairs[1], host_pair);
   rig_.run_until([&] { return rig_.system().idle(); });
   rig_.frames.clear();
   // If the host does not complete a pair, switching to the cameras ends it.
@@ -269,7 +269,7 @@ TEST_F(RtlSystemInput, SwitchesBetweenCamerasAndHost) {
   rig_.system().feed(pairs[2]);
   rig_.run_until_frames(10);
   const std::uint64_t first = std::uint64_t{0xFFFFFFFF} << 32 | kLinkFirstFrame;
-  for (const Assembled& frame : rig_.frames) {
+  for (const AssembledFrame& frame : rig_.frames) {
     if (frame.frame_id == open.id) {
       EXPECT_TRUE(frame.flags & kFrameCut) << frame.text();
       continue;

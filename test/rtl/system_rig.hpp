@@ -10,19 +10,19 @@
 #include <utility>
 #include <vector>
 
-#include "fpga_stereo/link/decoder.hpp"
-#include "fpga_stereo/link/frame_assembler.hpp"
+#include "link/decoder.hpp"
+#include "link/frame_assembler.hpp"
 #include "sim/gateware/system.hpp"
 #include "top_rig.hpp"
 
 namespace fpga_stereo::test {
 
-using link::Assembled;
+using link::AssembledFrame;
 using link::Header;
 using link::PacketType;
 using link::Stream;
 using Words = std::vector<std::uint32_t>;
-using Verdict = Assembled::Verdict;
+using Verdict = link::FrameVerdict;
 
 /// Returns the path of the model under test; the environment variable FPGA_STEREO_SYSTEM_MODEL
 /// overrides it.
@@ -50,8 +50,8 @@ class SystemRig {
   explicit SystemRig(std::uint32_t seed = 1) : system_(open_model(seed)) {}
 
   sim::SystemModel& system() { return system_; }
-  const link::Decoder::Counters& counters() const { return decoder_.counters(); }
-  const link::FrameAssembler::Counters& frame_counters() const { return assembler_.counters(); }
+  const link::DecoderCounters& counters() const { return decoder_.counters(); }
+  const link::FrameCounters& frame_counters() const { return assembler_.counters(); }
 
   /// Sends a packet from the host with the next sequence number; returns its bytes.
   std::vector<std::uint8_t> send(Header header, const std::vector<std::uint8_t>& payload) {
@@ -140,7 +140,7 @@ class SystemRig {
 
   std::vector<Received> packets;  // all, in order of arrival
   std::vector<Received> answers;  // not yet returned by request()
-  std::vector<Assembled> frames;
+  std::vector<AssembledFrame> frames;
   int heartbeats = 0;
 
  private:

@@ -138,7 +138,7 @@ TEST(RtlSystem, SendsPacketsWithTheBytesOfTheHostsEncoder) {
     link::append_packet(packet->header, packet->payload, packet->header.length, expected);
   }
   EXPECT_EQ(bytes, expected);
-  EXPECT_EQ(decoder.counters().skipped, 0U);
+  EXPECT_EQ(decoder.counters().skipped_bytes, 0U);
 }
 
 TEST(RtlSystem, CountsDamagedRequestsAndAnswersIntactOnes) {
@@ -166,10 +166,10 @@ TEST(RtlSystem, CountsDamagedRequestsAndAnswersIntactOnes) {
   std::size_t intact = 0;
   std::uint64_t before = 0;
   do {
-    before = decoder.counters().skipped;
+    before = decoder.counters().skipped_bytes;
     while (decoder.next()) ++intact;
-    decoder.give_up();
-  } while (decoder.counters().skipped != before);
+    decoder.discard_partial_packet();
+  } while (decoder.counters().skipped_bytes != before);
   EXPECT_GE(rig.answers.size(), 20U);
   EXPECT_EQ(rig.answers.size(), intact);
   for (const Received& answer : rig.answers) {

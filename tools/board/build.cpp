@@ -19,21 +19,21 @@ cv::Size parse_size(const std::string& text) {
 }
 
 void configure(Connection& board, const GatewareConfiguration& configuration, std::uint64_t tag,
-               unsigned streams, bool host_input, double seconds) {
-  const std::uint64_t before = board.snapshot().session.configured;
-  link::Wanted wanted;
-  wanted.configuration = configuration;
+               link::StreamSet streams, bool host_input, double seconds) {
+  const std::uint64_t before = board.snapshot().session.configurations;
+  link::DesiredState wanted;
+  wanted.configuration = std::make_shared<const GatewareConfiguration>(configuration);
   wanted.tag = tag;
   wanted.streams = streams;
   wanted.host_input = host_input;
   board.want(wanted);
-  const auto state = streams == 0 ? link::Session::State::kReady : link::Session::State::kStreaming;
+  const auto state = streams.empty() ? link::LinkState::kReady : link::LinkState::kStreaming;
   const bool done = board.wait_until(seconds, [&](const Connection::Snapshot& now) {
-    return now.state == state && now.session.configured > before;
+    return now.state == state && now.session.configurations > before;
   });
   if (done) return;
   throw std::runtime_error(concat("the board does not take its configuration within ", seconds,
-                                  " s: ", board.snapshot().complaint));
+                                  " s: ", board.snapshot().trouble_text));
 }
 
 }  // namespace fpga_stereo::tools

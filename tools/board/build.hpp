@@ -15,6 +15,6 @@ cv::Size parse_size(const std::string& text);
 /// Has a board take a configuration, with `tag`, and these streams; throws where it does not within
 /// `seconds`.
 void configure(Connection& board, const GatewareConfiguration& configuration, std::uint64_t tag,
-               unsigned streams, bool host_input, double seconds);
+               link::StreamSet streams, bool host_input, double seconds);
 
 }  // namespace fpga_stereo::tools

@@ -43,10 +43,10 @@ CommandLine command_line() {
 /// The frames of a capture in its folder.
 class Folder {
  public:
-  Folder(std::string path, unsigned streams) : path_(std::move(path)), streams_(streams) {
+  Folder(std::string path, link::StreamSet streams) : path_(std::move(path)), streams_(streams) {
     create_folder(path_);
     for (const StreamName& each : kStreamNames) {
-      if (has(streams_, each.stream)) create_folder(path_ + "/" + each.name);
+      if (streams_.contains(each.stream)) create_folder(path_ + "/" + each.name);
     }
     table_.open(path_ + "/frames.csv");
     table_ << "frame_id,configuration,board_us,stamp,dropped\n";
@@ -60,7 +60,7 @@ class Folder {
       why += (why.empty() ? "" : "; ") + dropped;
     }
     for (const StreamName& each : kStreamNames) {
-      const bool lacks = has(streams_, each.stream) && frames.set.image(each.stream).empty();
+      const bool lacks = streams_.contains(each.stream) && frames.set.image(each.stream).empty();
       if (lacks && why.empty()) why = concat("no ", each.name, " frame came");
     }
     table_ << frames.set.frame_id << "," << frames.set.configuration << "," << frames.set.timestamp
@@ -72,7 +72,7 @@ class Folder {
     std::ostringstream name;
     name << std::setw(20) << std::setfill('0') << frames.set.frame_id << ".png";
     for (const StreamName& each : kStreamNames) {
-      if (!has(streams_, each.stream)) continue;
+      if (!streams_.contains(each.stream)) continue;
       write_image(path_ + "/" + each.name + "/" + name.str(), frames.set.image(each.stream));
     }
     return true;
@@ -87,7 +87,7 @@ class Folder {
   }
 
   const std::string path_;
-  const unsigned streams_;
+  const link::StreamSet streams_;
   std::ofstream table_;
 };
 
@@ -109,7 +109,7 @@ void capture(const std::string& device, const Arguments& arguments) {
   if (options.count("out") == 0) throw UsageError("--out is missing: the folder for the frames");
   const double timeout = options["timeout"].as<double>();
   require_range("--timeout", timeout, 0.1, 86400);
-  const unsigned streams = parse_streams(options["streams"].as<std::string>());
+  const link::StreamSet streams = parse_streams(options["streams"].as<std::string>());
 
   const auto source = open_frames(device, streams, patience(options));
   Folder folder(options["out"].as<std::string>(), streams);
@@ -130,9 +130,9 @@ void capture(const std::string& device, const Arguments& arguments) {
   if (written == wanted || interrupted()) return;
   const std::string why =
       source->ended() ? "the recording has ended" : concat("no whole set came for ", timeout, " s");
-  const std::string complaint = source->snapshot().complaint;
+  const std::string trouble = source->snapshot().trouble_text;
   throw std::runtime_error(concat("captured ", written, " of ", wanted, " sets of frames: ", why,
-                                  complaint.empty() ? "" : " (" + complaint + ")"));
+                                  trouble.empty() ? "" : " (" + trouble + ")"));
 }
 
 }  // namespace fpga_stereo::tools

@@ -4,7 +4,6 @@
 #include <iostream>
 #include <thread>
 
-#include "fpga_stereo/link/request.hpp"
 #include "fpga_stereo/link/transport.hpp"
 #include "support/interrupt.hpp"
 
@@ -14,7 +13,7 @@ namespace {
 namespace po = boost::program_options;
 using link::Transport;
 using Clock = std::chrono::steady_clock;
-using State = link::Session::State;
+using State = link::LinkState;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kLook{5};
@@ -62,7 +61,7 @@ Connection::Connection(const std::string& device, const Patience& patience, cons
     return opened;
   };
   link::Device::Callbacks callbacks;
-  callbacks.received = [this](std::vector<link::Session::Received> received) {
+  callbacks.received = [this](std::vector<link::ReceivedFrames> received) {
     const double now = system_time();
     const std::lock_guard lock(mutex_);
     for (auto& frames : received) {
@@ -83,7 +82,7 @@ bool Connection::wait_until(double seconds, const std::function<bool(const Snaps
   const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
   while (true) {
     const Snapshot now = snapshot();
-    if (now.state == State::kRefused) fail(now.complaint);
+    if (now.state == State::kRefused) fail(now.trouble_text);
     if (done(now)) return true;
     if (interrupted()) fail("interrupted");
     if (Clock::now() >= deadline) return false;
@@ -99,7 +98,7 @@ link::Identity Connection::identify() {
   });
   if (!known) {
     fail(concat(name_, ": no board answers within ", patience_.seconds, " s (",
-                snapshot().complaint, "): is it powered, and has it been flashed?"));
+                snapshot().trouble_text, "): is it powered, and has it been flashed?"));
   }
   return *identity;
 }
@@ -110,31 +109,26 @@ std::vector<Connection::Arrived> Connection::take(milliseconds timeout) {
   return std::exchange(arrived_, {});
 }
 
-std::vector<RegisterWrite> Connection::ask(const link::Request& request) {
+template <class Ask>
+auto Connection::retry(const Ask& ask) {
   const auto deadline = Clock::now() + std::chrono::duration<double>(patience_.seconds);
   while (true) {
-    auto answer = device_->ask(request);
-    if (answer) return *answer;
+    auto answer = ask();
+    if (answer) return answer;
     if (Clock::now() >= deadline) fail(answer.error().message);
     identify();
   }
 }
 
 std::vector<std::uint32_t> Connection::read(const std::vector<std::uint32_t>& addresses) {
+  const auto answer = retry([&] { return device_->read_registers(addresses); });
   std::vector<std::uint32_t> values;
-  for (std::size_t at = 0; at < addresses.size(); at += link::kMaxReads) {
-    const auto begin = addresses.begin() + static_cast<std::ptrdiff_t>(at);
-    const auto end =
-        begin + static_cast<std::ptrdiff_t>(std::min(link::kMaxReads, addresses.size() - at));
-    for (const RegisterWrite& value : ask(link::read_request({begin, end}))) {
-      values.push_back(value.value);
-    }
-  }
+  for (const RegisterWrite& value : *answer) values.push_back(value.value);
   return values;
 }
 
 void Connection::write(const std::vector<RegisterWrite>& writes) {
-  ask(link::write_request(writes));
+  require(retry([&] { return device_->write_registers(writes); }));
 }
 
 }  // namespace fpga_stereo::tools

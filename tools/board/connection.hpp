@@ -29,7 +29,7 @@ class Connection {
  public:
   using Snapshot = link::Device::Snapshot;
   struct Arrived {
-    link::Session::Received frames;
+    link::ReceivedFrames frames;
     double at = 0;  // s, host
   };
   /// Wraps each transport that is opened.
@@ -42,7 +42,7 @@ class Connection {
 
   /// Waits for a board that this software works with; throws with why there is none.
   link::Identity identify();
-  void want(const link::Wanted& wanted) { device_->want(wanted); }
+  void want(const link::DesiredState& wanted) { device_->set_desired_state(wanted); }
   /// Until `done`; false: not within `seconds`. Throws if the board is refused, or interrupted().
   bool wait_until(double seconds, const std::function<bool(const Snapshot&)>& done);
   /// What has come since the last call; waits for some.
@@ -56,7 +56,9 @@ class Connection {
   double patience() const { return patience_.seconds; }
 
  private:
-  std::vector<RegisterWrite> ask(const link::Request& request);
+  /// Calls `ask` until it succeeds or the patience ends.
+  template <class Ask>
+  auto retry(const Ask& ask);
   [[noreturn]] void fail(const std::string& why) const;
 
   const std::string name_;

@@ -2,6 +2,7 @@
 
 #include "board/streams.hpp"
 #include "fpga_stereo/core/spec.hpp"
+#include "link/frame_set_collector.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -11,28 +12,28 @@ using std::chrono::milliseconds;
 
 class BoardFrames : public FrameSource {
  public:
-  BoardFrames(const std::string& device, unsigned streams, const Patience& patience,
+  BoardFrames(const std::string& device, link::StreamSet streams, const Patience& patience,
               const Connection::Wrap& wrap)
       : board_(device, patience, wrap) {
     const link::Identity identity = board_.identify();
     for (const StreamName& each : kStreamNames) {
-      if (!has(streams, each.stream) || identity.can(each.stream)) continue;
+      if (!streams.contains(each.stream) || identity.supports(each.stream)) continue;
       throw std::runtime_error(concat("the board was not built with stream ", each.name));
     }
     if (board_.read({spec::kRegConfiguration})[0] == 0) {
       throw std::runtime_error(
           "the board has not been configured since it was powered: run board upload first");
     }
-    link::Wanted wanted;
-    wanted.as_it_is = true;
+    link::DesiredState wanted;
+    wanted.keep_configuration = true;
     wanted.streams = streams;
     board_.want(wanted);
     const bool on = board_.wait_until(patience.seconds, [](const Connection::Snapshot& now) {
-      return now.state == link::Session::State::kStreaming;
+      return now.state == link::LinkState::kStreaming;
     });
     if (!on) {
       throw std::runtime_error(concat("the board does not stream within ", patience.seconds,
-                                      " s: ", board_.snapshot().complaint));
+                                      " s: ", board_.snapshot().trouble_text));
     }
   }
 
@@ -53,7 +54,7 @@ class BoardFrames : public FrameSource {
 /// The board in a recording answered somebody else: nothing is asked.
 class RecordedFrames : public FrameSource {
  public:
-  RecordedFrames(const std::string& device, unsigned streams)
+  RecordedFrames(const std::string& device, link::StreamSet streams)
       : line_(open_line(device)), bytes_(1 << 20), streams_(streams) {}
 
   std::vector<ArrivedFrames> take(milliseconds timeout) override {
@@ -63,7 +64,7 @@ class RecordedFrames : public FrameSource {
       decoder_.push(bytes_.data(), *came);
     } else if (came.error().kind == ErrorKind::kUnplugged) {
       ended_ = true;
-      decoder_.give_up();
+      decoder_.discard_partial_packet();
     } else {
       require(came);
     }
@@ -78,7 +79,7 @@ class RecordedFrames : public FrameSource {
   link::Device::Snapshot snapshot() const override {
     link::Device::Snapshot now;
     now.description = line_->description();
-    now.line = decoder_.counters();
+    now.decoder = decoder_.counters();
     now.frames = assembler_.counters();
     now.transport = line_->counters();
     return now;
@@ -88,17 +89,17 @@ class RecordedFrames : public FrameSource {
   void read_packets(std::vector<link::FrameSet>& sets) {
     while (const auto packet = decoder_.next()) {
       const link::Stream stream = packet->header.stream;
-      if (static_cast<int>(stream) >= link::kNumStreams || !has(streams_, stream)) continue;
+      if (static_cast<int>(stream) >= link::kNumStreams || !streams_.contains(stream)) continue;
       assembler_.add(*packet, assembled_);
       if (packet->header.type == link::PacketType::kLeader &&
-          assembler_.under_way(stream) == packet->header.frame_id) {
-        sets_.begun(stream, packet->header.frame_id);
+          assembler_.frame_in_flight(stream) == packet->header.frame_id) {
+        sets_.begin(stream, packet->header.frame_id);
       }
       collect(sets);
     }
   }
   void collect(std::vector<link::FrameSet>& sets) {
-    for (link::Assembled& frame : assembled_) sets_.ended(std::move(frame), streams_, sets);
+    for (link::AssembledFrame& frame : assembled_) sets_.add(std::move(frame), streams_, sets);
     assembled_.clear();
   }
   void end(std::vector<link::FrameSet>& sets) {
@@ -109,11 +110,11 @@ class RecordedFrames : public FrameSource {
 
   std::unique_ptr<link::Transport> line_;
   std::vector<std::uint8_t> bytes_;
-  const unsigned streams_;
+  const link::StreamSet streams_;
   link::Decoder decoder_;
   link::FrameAssembler assembler_;
-  link::FrameSets sets_;
-  std::vector<link::Assembled> assembled_;
+  link::FrameSetCollector sets_;
+  std::vector<link::AssembledFrame> assembled_;
   bool ended_ = false;
 };
 
@@ -126,7 +127,7 @@ void add_frame_options(po::options_description& options, const std::string& defa
   add_patience(options);
 }
 
-std::unique_ptr<FrameSource> open_frames(const std::string& device, unsigned streams,
+std::unique_ptr<FrameSource> open_frames(const std::string& device, link::StreamSet streams,
                                          const Patience& patience, const Connection::Wrap& wrap) {
   if (device.compare(0, 7, "replay:") == 0) {
     return std::make_unique<RecordedFrames>(device, streams);

@@ -33,7 +33,7 @@ void add_frame_options(boost::program_options::options_description& options,
 
 /// Switches these streams of a board on, under the configuration that it has, or opens a recording.
 /// Throws where the board has no configuration or not all of the streams.
-std::unique_ptr<FrameSource> open_frames(const std::string& device, unsigned streams,
+std::unique_ptr<FrameSource> open_frames(const std::string& device, link::StreamSet streams,
                                          const Patience& patience,
                                          const Connection::Wrap& wrap = nullptr);
 

@@ -5,8 +5,8 @@
 #include <iostream>
 
 #include "board/modes.hpp"
-#include "fpga_stereo/link/serial.hpp"
 #include "fpga_stereo/link/transport.hpp"
+#include "link/serial.hpp"
 
 namespace fpga_stereo::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include "board/modes.hpp"
 #include "board/streams.hpp"
 #include "board/tally.hpp"
-#include "fpga_stereo/link/recording.hpp"
+#include "link/recording.hpp"
 #include "support/interrupt.hpp"
 
 namespace fpga_stereo::tools {
@@ -34,7 +34,7 @@ double seconds_of(const Parsed& parsed, std::size_t before) {
   return given.size() > before ? parse_seconds(given[before]) : 0;
 }
 
-void run(FrameSource& source, unsigned streams, double seconds) {
+void run(FrameSource& source, link::StreamSet streams, double seconds) {
   Tally tally(source, streams);
   while (!interrupted() && !source.ended() && (seconds <= 0 || tally.seconds() < seconds)) {
     for (const ArrivedFrames& frames : source.take(kLook)) tally.add(frames);
@@ -100,7 +100,7 @@ void measure(const std::string& device, const Arguments& arguments) {
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   const double seconds = seconds_of(*parsed, 0);
-  const unsigned streams = parse_streams(parsed->options["streams"].as<std::string>());
+  const link::StreamSet streams = parse_streams(parsed->options["streams"].as<std::string>());
   const auto source = open_frames(device, streams, patience(parsed->options));
   run(*source, streams, seconds);
 }
@@ -120,7 +120,7 @@ void record(const std::string& device, const Arguments& arguments) {
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   const double seconds = seconds_of(*parsed, 1);
-  const unsigned streams = parse_streams(parsed->options["streams"].as<std::string>());
+  const link::StreamSet streams = parse_streams(parsed->options["streams"].as<std::string>());
   if (device.compare(0, 7, "replay:") == 0) throw UsageError(device + " is a recording already");
   auto recordings = std::make_shared<Recordings>();
   recordings->path = parsed->positional[0];

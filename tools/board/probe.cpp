@@ -34,9 +34,9 @@ std::vector<double> round_trips(Connection& board) {
 std::string streams_text(const link::Identity& identity) {
   std::string text;
   for (const StreamName& each : kStreamNames) {
-    if (identity.can(each.stream)) text += (text.empty() ? "" : ", ") + std::string(each.name);
+    if (identity.supports(each.stream)) text += (text.empty() ? "" : ", ") + std::string(each.name);
   }
-  if (identity.can(link::Stream::kInput)) text += "; takes pairs from the host";
+  if (identity.supports(link::Stream::kInput)) text += "; takes pairs from the host";
   return text;
 }
 

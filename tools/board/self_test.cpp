@@ -87,7 +87,7 @@ struct Comparison {
 
 class SelfTest {
  public:
-  SelfTest(Connection& board, const link::Identity& identity, unsigned streams)
+  SelfTest(Connection& board, const link::Identity& identity, link::StreamSet streams)
       : board_(board), identity_(identity), streams_(streams) {}
 
   Comparison run(const Case& test) {
@@ -119,7 +119,7 @@ class SelfTest {
         return board_.device().send_pair(test.left, test.right, id, id);
       });
       if (!sent) {
-        throw std::runtime_error("the board takes no pair: " + board_.snapshot().complaint);
+        throw std::runtime_error("the board takes no pair: " + board_.snapshot().trouble_text);
       }
       std::optional<link::FrameSet> found;
       board_.wait_until(time, [&](const Connection::Snapshot&) {
@@ -137,7 +137,7 @@ class SelfTest {
 
   bool whole(const link::FrameSet& set) const {
     for (const StreamName& each : kStreamNames) {
-      if (has(streams_, each.stream) && set.image(each.stream).empty()) return false;
+      if (streams_.contains(each.stream) && set.image(each.stream).empty()) return false;
     }
     return true;
   }
@@ -167,7 +167,7 @@ class SelfTest {
 
   Connection& board_;
   const link::Identity identity_;
-  const unsigned streams_;
+  const link::StreamSet streams_;
   Pipeline pipeline_;
   std::uint64_t tag_ = 0, frame_ = 0;
 
@@ -202,16 +202,16 @@ void self_test(const std::string& device, const Arguments& arguments) {
 
   Connection board(device, patience(parsed->options));
   const link::Identity identity = board.identify();
-  if (!identity.can(link::Stream::kInput) || !identity.can(link::Stream::kDisparity)) {
+  if (!identity.supports(link::Stream::kInput) || !identity.supports(link::Stream::kDisparity)) {
     throw std::runtime_error(
         "this board takes no pairs from the host, or sends no disparity: "
         "see streams of board probe");
   }
   if (size.empty()) size = {identity.build.max_width, identity.build.max_width * 3 / 4};
-  unsigned streams = 0;
+  link::StreamSet streams;
   for (const auto stream :
        {link::Stream::kDisparity, link::Stream::kRectifiedLeft, link::Stream::kRectifiedRight}) {
-    if (identity.can(stream)) streams |= 1U << static_cast<unsigned>(stream);
+    if (identity.supports(stream)) streams |= stream;
   }
   SelfTest test(board, identity, streams);
   Comparison all;

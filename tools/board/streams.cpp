@@ -6,23 +6,23 @@
 
 namespace fpga_stereo::tools {
 
-unsigned parse_streams(const std::string& text) {
-  unsigned streams = 0;
+link::StreamSet parse_streams(const std::string& text) {
+  link::StreamSet streams;
   std::istringstream in(text);
   for (std::string name; std::getline(in, name, ',');) {
-    unsigned bit = 0;
+    link::StreamSet found;
     std::string allowed;
     for (const StreamName& each : kStreamNames) {
-      if (name == each.name) bit = 1U << static_cast<unsigned>(each.stream);
+      if (name == each.name) found = each.stream;
       allowed += (allowed.empty() ? "" : ",") + std::string(each.name);
     }
-    if (bit == 0) {
+    if (found.empty()) {
       throw UsageError(
           concat("--streams: \"", name, "\" is no stream: allowed are some of ", allowed));
     }
-    streams |= bit;
+    streams |= found;
   }
-  if (streams == 0) throw UsageError("--streams names no stream");
+  if (streams.empty()) throw UsageError("--streams names no stream");
   return streams;
 }
 

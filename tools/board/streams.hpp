@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "fpga_stereo/link/packet.hpp"
+#include "fpga_stereo/link/streams.hpp"
 
 namespace fpga_stereo::tools {
 
@@ -19,10 +19,7 @@ constexpr std::array<StreamName, 5> kStreamNames{{{link::Stream::kDisparity, "di
                                                   {link::Stream::kRawLeft, "raw_left"},
                                                   {link::Stream::kRawRight, "raw_right"}}};
 
-/// "disparity,left": a bit for each stream. Throws UsageError.
-unsigned parse_streams(const std::string& text);
-inline bool has(unsigned streams, link::Stream stream) {
-  return (streams >> static_cast<unsigned>(stream) & 1U) != 0;
-}
+/// Parses "disparity,left". Throws UsageError.
+link::StreamSet parse_streams(const std::string& text);
 
 }  // namespace fpga_stereo::tools

@@ -10,7 +10,7 @@
 namespace fpga_stereo::tools {
 namespace {
 
-using Verdict = link::Assembled::Verdict;
+using Verdict = link::FrameVerdict;
 
 constexpr std::array<std::pair<Verdict, const char*>, 4> kCauses{
     {{Verdict::kRowsMissing, "rows missing"},
@@ -40,7 +40,7 @@ std::string rounded(double value, int digits) {
 
 }  // namespace
 
-Tally::Tally(const FrameSource& source, unsigned streams)
+Tally::Tally(const FrameSource& source, link::StreamSet streams)
     : streams_(streams), start_(source.snapshot()) {}
 
 void Tally::add(const ArrivedFrames& frames) {
@@ -62,13 +62,13 @@ std::string Tally::text(const FrameSource& source) const {
     return rounded(static_cast<double>(count) / unit / time, 2);
   };
   Table table;
-  table.line("line", end.description.empty() ? end.complaint : end.description);
+  table.line("line", end.description.empty() ? end.trouble_text : end.description);
   table.line("time", rounded(time, 2), " s");
-  const std::uint64_t bytes = end.line.bytes - start_.line.bytes;
+  const std::uint64_t bytes = end.decoder.bytes - start_.decoder.bytes;
   table.line("bytes", bytes, " from the board, ", rate(bytes, 1e6), " MB/s; ",
              end.transport.bytes_out, " to it; ", end.transport.stalls, " stalls of the line");
   for (const StreamName& each : kStreamNames) {
-    if (!has(streams_, each.stream)) continue;
+    if (!streams_.contains(each.stream)) continue;
     const std::uint64_t count = frames_[static_cast<std::size_t>(each.stream)];
     table.line(each.name, count, " frames, ", rate(count, 1), " f/s");
   }
@@ -77,14 +77,14 @@ std::string Tally::text(const FrameSource& source) const {
     causes += concat(", ", dropped_[static_cast<std::size_t>(verdict)], " ", name);
   }
   table.line("dropped", end.board.frames_dropped - start_.board.frames_dropped,
-             " by the board (line too slow)", causes, ", ", end.session.unknown_configuration,
+             " by the board (line too slow)", causes, ", ", end.session.unknown_configurations,
              " of an unknown configuration");
-  table.line("packets", end.line.packets - start_.line.packets, " good, ",
-             end.line.lost - start_.line.lost, " lost, ",
-             end.line.bad_headers - start_.line.bad_headers, " wrong headers, ",
-             end.line.bad_payloads - start_.line.bad_payloads, " wrong payloads, ",
-             end.line.skipped - start_.line.skipped, " bytes of none");
-  if (end.opened == 0) return table.text();  // a recording
+  table.line("packets", end.decoder.packets - start_.decoder.packets, " good, ",
+             end.decoder.lost_packets - start_.decoder.lost_packets, " lost, ",
+             end.decoder.bad_headers - start_.decoder.bad_headers, " wrong headers, ",
+             end.decoder.bad_payloads - start_.decoder.bad_payloads, " wrong payloads, ",
+             end.decoder.skipped_bytes - start_.decoder.skipped_bytes, " bytes of none");
+  if (end.times_opened == 0) return table.text();  // a recording
 
   if (!latencies_.empty()) {
     std::vector<double> sorted = latencies_;
@@ -99,14 +99,14 @@ std::string Tally::text(const FrameSource& source) const {
   table.line("clock", "drift ", rounded(end.clock_drift * 1e6, 1), " ppm, stamps within ",
              rounded(end.clock_uncertainty * 1e3, 2), " ms");
   std::string steps;
-  for (int i = 0; i < link::Session::kSteps; ++i) {
-    const auto step = static_cast<link::Session::Step>(i);
+  for (int i = 0; i < link::kNumWatchdogSteps; ++i) {
+    const auto step = static_cast<link::WatchdogStep>(i);
     const auto index = static_cast<std::size_t>(i);
     steps +=
         concat(link::name(step), " ", end.session.steps[index] - start_.session.steps[index], ", ");
   }
-  table.line("watchdog", steps, "opened ", end.opened, " times; ", end.session.requests,
-             " requests, ", end.session.repeated, " repeated");
+  table.line("watchdog", steps, "opened ", end.times_opened, " times; ", end.session.requests,
+             " requests, ", end.session.retries, " repeated");
   table.line("board", end.board.bad_packets, " wrong and ", end.board.lost_packets,
              " lost packets of ours; ", end.board.cut_frames, " cut and ", end.board.long_frames,
              " long frames of the cameras, ", end.board.buffer_errors, " line buffer errors");

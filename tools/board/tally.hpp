@@ -12,7 +12,7 @@ namespace fpga_stereo::tools {
 
 class Tally {
  public:
-  Tally(const FrameSource& source, unsigned streams);
+  Tally(const FrameSource& source, link::StreamSet streams);
 
   void add(const ArrivedFrames& frames);
   double seconds() const;
@@ -22,7 +22,7 @@ class Tally {
  private:
   static constexpr int kVerdicts = 6;
 
-  const unsigned streams_;
+  const link::StreamSet streams_;
   const link::Device::Snapshot start_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::array<std::uint64_t, link::kNumStreams> frames_{};

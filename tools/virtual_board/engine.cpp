@@ -62,7 +62,8 @@ void add_wrong(const std::string& text, std::map<std::uint32_t, std::uint32_t>& 
 Engine make_software(const po::variables_map& options) {
   sim::SoftwareBoard::Options made;
   made.build = build(options);
-  made.streams = static_cast<std::uint8_t>(whole(options, "streams", 0, 255));
+  made.streams =
+      link::StreamSet::from_bits(static_cast<std::uint32_t>(whole(options, "streams", 0, 255)));
   made.most_waiting = static_cast<std::size_t>(whole(options, "waiting", 0, 1000000000));
   made.kept_pairs = static_cast<std::size_t>(whole(options, "keep", 0, 1000000));
   made.num_threads = threads(options);
@@ -119,7 +120,7 @@ po::options_description engine_options() {
        "built for: correlation_window_size");
   number("line-rows", defaults.build.line_rows, "rows of its line buffers [4 to 254]");
   number("mesh-nodes", defaults.build.mesh_nodes, "nodes that a mesh may have [1 to 65535]");
-  number("streams", defaults.streams, "bit s: it has stream s [0 to 255]");
+  number("streams", static_cast<int>(defaults.streams.bits()), "bit s: it has stream s [0 to 255]");
   number("keep", 0, "results of so many pairs are kept: when they come again, they cost nothing");
   number("waiting", static_cast<int>(defaults.most_waiting),
          "bytes that may wait for the host; frames behind them are dropped [0 to 1000000000]");

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fpga_stereo/link/packet.hpp"
+#include "link/packet.hpp"
 
 namespace fpga_stereo::sim {
 namespace {

@@ -71,7 +71,7 @@ void SoftwareBoard::reset() {
   registers_[spec::kRegBuild] = options_.build.build_register();
   registers_[spec::kRegBuildLineRows] = static_cast<std::uint32_t>(options_.build.line_rows);
   registers_[spec::kRegBuildMeshNodes] = static_cast<std::uint32_t>(options_.build.mesh_nodes);
-  registers_[spec::kRegBuildStreams] = options_.streams;
+  registers_[spec::kRegBuildStreams] = options_.streams.bits();
   registers_[spec::kRegBuildClock] = options_.clock_hz;
   for (const auto& [address, value] : options_.wrong) registers_[address] = value;
   for (auto& mesh : mesh_) mesh.assign(static_cast<std::size_t>(options_.build.mesh_nodes), 0);
@@ -81,7 +81,7 @@ void SoftwareBoard::reset() {
   sequence_ = kLinkFirstSequence;
   next_frame_ = ~std::uint64_t{0} << 32 | kLinkFirstFrame;
   pairs_ = sent_pairs_ = 0;
-  decoder_.restart();
+  decoder_.reset();
   input_.reset(pairs_in_);
   pairs_in_.clear();
   waiting_.clear();
@@ -107,7 +107,7 @@ void SoftwareBoard::run(std::chrono::microseconds time) {
   time_us_ += static_cast<std::uint64_t>(time.count());
   if (time_us_ - last_byte_ > kSilence) {
     last_byte_ = time_us_;
-    decoder_.give_up();
+    decoder_.discard_partial_packet();
     receive(nullptr, 0);
   }
   if (!host_alive() || static_cast<std::int64_t>(time_us_ - next_heartbeat_) < 0) return;
@@ -116,14 +116,15 @@ void SoftwareBoard::run(std::chrono::microseconds time) {
 }
 
 std::size_t SoftwareBoard::receive(const std::uint8_t* bytes, std::size_t size) {
-  const link::Decoder::Counters before = decoder_.counters();
+  const link::DecoderCounters before = decoder_.counters();
   if (size > 0) last_byte_ = time_us_;
   decoder_.push(bytes, size);
   while (const auto packet = decoder_.next()) take(*packet);
-  const link::Decoder::Counters& after = decoder_.counters();
+  const link::DecoderCounters& after = decoder_.counters();
   registers_[spec::kRegBadPackets] += static_cast<std::uint32_t>(
       after.bad_headers + after.bad_payloads - before.bad_headers - before.bad_payloads);
-  registers_[spec::kRegLostPackets] += static_cast<std::uint32_t>(after.lost - before.lost);
+  registers_[spec::kRegLostPackets] +=
+      static_cast<std::uint32_t>(after.lost_packets - before.lost_packets);
   return size;
 }
 
@@ -239,7 +240,7 @@ void SoftwareBoard::write(std::uint32_t address, std::uint32_t value) {
     std::uint32_t mask = r.fields.empty() ? ~0U : 0;
     for (const spec::FieldInfo& f : r.fields) mask |= f.field.mask();
     // As the RTL: a build does not hold bits of streams that it lacks.
-    if (address == spec::kRegStreams) mask &= options_.streams;
+    if (address == spec::kRegStreams) mask &= options_.streams.bits();
     held = value & mask;
     if (address == spec::kRegMeshAddress && options_.wrong.count(spec::kRegMeshSignature) == 0) {
       registers_[spec::kRegMeshSignature] = kSignatureStart;
@@ -296,8 +297,8 @@ void SoftwareBoard::apply() {
 void SoftwareBoard::take_input(const Packet& packet) {
   if (packet.header.stream != Stream::kInput) return refuse(packet.header, kRefusedType);
   input_.add(packet, pairs_in_);
-  for (link::Assembled& in : pairs_in_) {
-    if (in.verdict != link::Assembled::Verdict::kGood) {
+  for (link::AssembledFrame& in : pairs_in_) {
+    if (in.verdict != link::FrameVerdict::kGood) {
       ++registers_[spec::kRegInputErrors];
       continue;
     }
@@ -338,16 +339,16 @@ void SoftwareBoard::frame(const GreyPair& pair, std::uint64_t frame_id, std::uin
   };
   if (pairs_++ % interval(spec::kFrameIntervalPairs) != 0) return;
   const bool raw = sent_pairs_++ % interval(spec::kFrameIntervalRaw) == 0;
-  const std::uint32_t streams = registers_[spec::kRegStreams];
-  const auto wanted = [&](Stream s) { return (streams >> static_cast<unsigned>(s) & 1) != 0; };
+  const auto streams = link::StreamSet::from_bits(registers_[spec::kRegStreams]);
+  const auto wanted = [&](Stream s) { return streams.contains(s); };
   if (raw && wanted(Stream::kRawLeft))
     send(Stream::kRawLeft, pair.left, frame_id, timestamp, flags);
   if (raw && wanted(Stream::kRawRight)) {
     send(Stream::kRawRight, pair.right, frame_id, timestamp, flags);
   }
-  constexpr std::uint32_t kMade =
-      1U << kStreamDisparity | 1U << kStreamRectifiedLeft | 1U << kStreamRectifiedRight;
-  if ((streams & kMade) == 0) return;
+  constexpr link::StreamSet kMade{Stream::kDisparity, Stream::kRectifiedLeft,
+                                  Stream::kRectifiedRight};
+  if (!streams.contains_any(kMade)) return;
   const Made& made = make(pair);
   flags |= frame_flags_;
   if (wanted(Stream::kRectifiedLeft)) {

@@ -9,9 +9,9 @@
 
 #include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
-#include "fpga_stereo/link/decoder.hpp"
-#include "fpga_stereo/link/frame_assembler.hpp"
-#include "fpga_stereo/link/request.hpp"
+#include "link/decoder.hpp"
+#include "link/frame_assembler.hpp"
+#include "link/request.hpp"
 #include "sim/virtual_board/board.hpp"
 
 namespace fpga_stereo::sim {
@@ -20,8 +20,8 @@ class SoftwareBoard : public Board {
  public:
   struct Options {
     GatewareBuild build;
-    std::uint8_t streams = 0x7E;         // bit s: stream s can be sent, or taken
-    std::uint32_t clock_hz = 100000000;  // that it says it has
+    link::StreamSet streams = link::StreamSet::all();  // that it can send, or take
+    std::uint32_t clock_hz = 100000000;                // that it says it has
     std::size_t most_waiting = 8 << 20;  // bytes for the host: a frame behind them is dropped
     std::size_t payload = 4096;          // bytes: rows go in packets of so many
     int num_threads = 1;
@@ -89,7 +89,7 @@ class SoftwareBoard : public Board {
   std::uint32_t sequence_ = 0;
   link::Decoder decoder_;
   link::FrameAssembler input_;
-  std::vector<link::Assembled> pairs_in_;
+  std::vector<link::AssembledFrame> pairs_in_;
   std::vector<std::uint8_t> waiting_;
   std::size_t taken_ = 0;  // of waiting_
   Pipeline pipeline_;

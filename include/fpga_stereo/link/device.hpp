@@ -11,8 +11,13 @@
 #include <thread>
 #include <vector>
 
-#include "fpga_stereo/link/session.hpp"
+#include "fpga_stereo/link/counters.hpp"
+#include "fpga_stereo/link/desired_state.hpp"
+#include "fpga_stereo/link/frame_set.hpp"
+#include "fpga_stereo/link/identity.hpp"
+#include "fpga_stereo/link/link_state.hpp"
 #include "fpga_stereo/link/transport.hpp"
+#include "link/session.hpp"
 
 namespace fpga_stereo::link {
 
@@ -22,13 +27,13 @@ class Device {
     Opener open;                            // how the line is opened
     std::shared_ptr<HotplugWatch> hotplug;  // what tells that it may have come; may be null
     std::chrono::milliseconds retry{500};   // between two attempts to open, at most
-    Session::Options session;
+    SessionOptions session;
     std::function<double()> host_clock;  // s; default: the system's clock
   };
 
   /// Called from the device's own thread. None may wait for another call of the device to end.
   struct Callbacks {
-    std::function<void(std::vector<Session::Received>)> received;
+    std::function<void(std::vector<ReceivedFrames>)> received;
     /// A board was identified; want() is to be called with what suits its build.
     std::function<void(const Identity&)> identified;
     /// The line is closed; what was under way will not come.
@@ -39,19 +44,21 @@ class Device {
 
   /// How things are.
   struct Snapshot {
-    Session::State state = Session::State::kClosed;
-    std::string complaint;    // why there are no frames; empty where there are
-    std::string description;  // of the line; empty: closed
+    LinkState state = LinkState::kClosed;
+    LinkTrouble trouble = LinkTrouble::kNotOpened;  // why there are no frames
+    std::string trouble_text;                       // the same for people; empty for kNone
+    std::string description;                        // of the line; empty: closed
     std::optional<Identity> identity;
-    std::optional<std::uint64_t> configured_tag;  // of what the board computes with
+    std::optional<std::uint64_t> active_tag;  // of what the board computes with
     BoardCounters board;
-    Session::Counters session;
-    Decoder::Counters line;
-    FrameAssembler::Counters frames;
+    SessionCounters session;
+    DecoderCounters decoder;
+    FrameCounters frames;
     Transport::Counters transport;
-    std::uint64_t opened = 0;      // times
-    double clock_drift = 0;        // s per s
-    double clock_uncertainty = 0;  // s
+    std::uint64_t times_opened = 0;
+    std::uint64_t undelivered = 0;  // frame sets dropped because the callbacks were too slow
+    double clock_drift = 0;         // s per s
+    double clock_uncertainty = 0;   // s
   };
 
   Device(Options options, Callbacks callbacks);
@@ -60,25 +67,29 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  void want(const Wanted& wanted);
+  void set_desired_state(const DesiredState& desired);
   /// See Session. False also where there is no board.
   bool send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
                  std::uint64_t timestamp);
-  /// A request to the board and its answer. Not from a callback.
-  Result<std::vector<RegisterWrite>> ask(const Request& request);
+  /// Reads registers at these word addresses, in this order. Blocks until the board answers or is
+  /// lost. Not to be called from a callback.
+  Result<std::vector<RegisterWrite>> read_registers(const std::vector<std::uint32_t>& addresses);
+  /// Writes registers in this order; blocks as read_registers() does.
+  Status write_registers(const std::vector<RegisterWrite>& writes);
   /// Resets the board's line as the last step of the watchdog does.
   void reset();
   Snapshot snapshot() const;
 
  private:
+  Result<std::vector<RegisterWrite>> ask(const Request& request);
   void run();
   /// Opens the line or waits; false: there is none.
   bool open();
   void wait_to_retry();
-  void close(const std::string& why);
+  void close(LinkTrouble trouble, const std::string& why);
   /// Bytes both ways, once. An error closes the line.
   Status exchange();
-  void serve(Session::Step step);
+  void serve(WatchdogStep step);
   void hand_on();
 
   Options options_;
@@ -94,6 +105,7 @@ class Device {
   std::condition_variable wake_;
   Session session_;
   std::string description_, closed_because_;
+  LinkTrouble closed_trouble_ = LinkTrouble::kNotOpened;
   Transport::Counters transport_counters_;
   std::uint64_t opened_ = 0;
   bool stopping_ = false, reset_asked_ = false;

@@ -8,7 +8,7 @@
 #include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/core/spec.hpp"
-#include "fpga_stereo/link/packet.hpp"
+#include "fpga_stereo/link/streams.hpp"
 
 namespace fpga_stereo::link {
 
@@ -16,7 +16,7 @@ struct Identity {
   std::uint32_t identity = 0, spec_hash = 0;
   int major = 0, minor = 0;  // of protocol and gateware
   GatewareBuild build;
-  std::uint8_t streams = 0;    // bit s: stream s can be sent, or taken
+  StreamSet streams;           // that the board can send, or take from the host
   std::uint32_t clock_hz = 0;  // of the pixels
 
   /// The registers that tell, in the order that from_values() takes.
@@ -25,7 +25,7 @@ struct Identity {
 
   /// kIncompatible where this software cannot work with it; the message says what to flash.
   Status check() const;
-  bool can(Stream stream) const { return (streams >> static_cast<int>(stream) & 1) != 0; }
+  bool supports(Stream stream) const { return streams.contains(stream); }
 
   /// For people: "gateware 0.1, 640 px wide, 64 disparities, sparse census 11, ...".
   std::string text() const;

@@ -1,22 +1,22 @@
-#include "fpga_stereo/link/frame_sets.hpp"
+#include "link/frame_set_collector.hpp"
 
 #include <gtest/gtest.h>
 
 namespace fpga_stereo::test {
 namespace {
 
-using link::Assembled;
+using link::AssembledFrame;
 using link::FrameSet;
-using link::FrameSets;
+using link::FrameSetCollector;
 using link::Stream;
-using Verdict = Assembled::Verdict;
+using link::StreamSet;
+using Verdict = link::FrameVerdict;
 
-constexpr unsigned bit(Stream s) { return 1U << static_cast<unsigned>(s); }
-constexpr unsigned kTwo = bit(Stream::kDisparity) | bit(Stream::kRectifiedLeft);
-constexpr unsigned kWithRaw = kTwo | bit(Stream::kRawLeft);
+constexpr StreamSet kTwo{Stream::kDisparity, Stream::kRectifiedLeft};
+constexpr StreamSet kWithRaw = kTwo | Stream::kRawLeft;
 
-Assembled frame(Stream stream, std::uint64_t id, Verdict verdict = Verdict::kGood) {
-  Assembled a;
+AssembledFrame frame(Stream stream, std::uint64_t id, Verdict verdict = Verdict::kGood) {
+  AssembledFrame a;
   a.stream = stream;
   a.frame_id = id;
   a.timestamp = 10 * id;
@@ -28,11 +28,11 @@ Assembled frame(Stream stream, std::uint64_t id, Verdict verdict = Verdict::kGoo
 }
 
 struct Sets {
-  FrameSets sets;
+  FrameSetCollector sets;
   std::vector<FrameSet> out;
 
-  void end(Stream stream, std::uint64_t id, unsigned streams, Verdict verdict = Verdict::kGood) {
-    sets.ended(frame(stream, id, verdict), streams, out);
+  void end(Stream stream, std::uint64_t id, StreamSet streams, Verdict verdict = Verdict::kGood) {
+    sets.add(frame(stream, id, verdict), streams, out);
   }
   std::vector<std::uint64_t> ids() const {
     std::vector<std::uint64_t> all;
@@ -41,7 +41,7 @@ struct Sets {
   }
 };
 
-TEST(FrameSets, WaitForEveryStream) {
+TEST(FrameSetCollector, WaitForEveryStream) {
   Sets s;
   s.end(Stream::kRectifiedLeft, 7, kTwo);
   EXPECT_TRUE(s.out.empty());
@@ -54,7 +54,7 @@ TEST(FrameSets, WaitForEveryStream) {
   EXPECT_TRUE(s.out[0].image(Stream::kRawLeft).empty());
 }
 
-TEST(FrameSets, ADroppedFrameEndsToo) {
+TEST(FrameSetCollector, ADroppedFrameEndsToo) {
   Sets s;
   s.end(Stream::kDisparity, 7, kTwo, Verdict::kBadSignature);
   s.end(Stream::kRectifiedLeft, 7, kTwo);
@@ -64,12 +64,12 @@ TEST(FrameSets, ADroppedFrameEndsToo) {
                                   "disparity frame 7 dropped: its signature is not the board's"});
 }
 
-TEST(FrameSets, RawImagesAreWaitedForWhereTheyHaveBegun) {
+TEST(FrameSetCollector, RawImagesAreWaitedForWhereTheyHaveBegun) {
   Sets s;
   s.end(Stream::kRectifiedLeft, 1, kWithRaw);
   s.end(Stream::kDisparity, 1, kWithRaw);
   EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1})) << "this pair has none";
-  s.sets.begun(Stream::kRawLeft, 2);
+  s.sets.begin(Stream::kRawLeft, 2);
   s.end(Stream::kRectifiedLeft, 2, kWithRaw);
   s.end(Stream::kDisparity, 2, kWithRaw);
   EXPECT_EQ(s.out.size(), 1U);
@@ -78,16 +78,16 @@ TEST(FrameSets, RawImagesAreWaitedForWhereTheyHaveBegun) {
   EXPECT_FALSE(s.out[1].image(Stream::kRawLeft).empty());
 }
 
-TEST(FrameSets, RawImagesAloneMakeASet) {
+TEST(FrameSetCollector, RawImagesAloneMakeASet) {
   Sets s;
-  constexpr unsigned kRaw = bit(Stream::kRawLeft) | bit(Stream::kRawRight);
+  constexpr StreamSet kRaw{Stream::kRawLeft, Stream::kRawRight};
   s.end(Stream::kRawLeft, 1, kRaw);
   EXPECT_TRUE(s.out.empty());
   s.end(Stream::kRawRight, 1, kRaw);
   EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1}));
 }
 
-TEST(FrameSets, ComeInTheOrderOfTheirFramesAcrossTheWrap) {
+TEST(FrameSetCollector, ComeInTheOrderOfTheirFramesAcrossTheWrap) {
   Sets s;
   const std::uint64_t last = ~std::uint64_t{0};
   s.end(Stream::kRectifiedLeft, last, kTwo);
@@ -98,7 +98,7 @@ TEST(FrameSets, ComeInTheOrderOfTheirFramesAcrossTheWrap) {
   EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{last, 0}));
 }
 
-TEST(FrameSets, ALostFrameHoldsNothingUpForLong) {
+TEST(FrameSetCollector, ALostFrameHoldsNothingUpForLong) {
   Sets s;
   for (std::uint64_t id = 1; id <= 5; ++id) {
     s.end(Stream::kRectifiedLeft, id, kTwo);
@@ -108,12 +108,12 @@ TEST(FrameSets, ALostFrameHoldsNothingUpForLong) {
   EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
 }
 
-TEST(FrameSets, ImagesOfOnePairHaveOneSize) {
+TEST(FrameSetCollector, ImagesOfOnePairHaveOneSize) {
   Sets s;
   s.end(Stream::kRectifiedLeft, 7, kTwo);
-  Assembled other = frame(Stream::kDisparity, 7);
+  AssembledFrame other = frame(Stream::kDisparity, 7);
   other.image = cv::Mat1w(4, 5);
-  s.sets.ended(std::move(other), kTwo, s.out);
+  s.sets.add(std::move(other), kTwo, s.out);
   ASSERT_EQ(s.out.size(), 1U);
   EXPECT_FALSE(s.out[0].image(Stream::kRectifiedLeft).empty());
   EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
@@ -122,7 +122,7 @@ TEST(FrameSets, ImagesOfOnePairHaveOneSize) {
             "disparity frame 7 dropped: another image of its pair has another size");
 }
 
-TEST(FrameSets, AResetGivesWhatIsThere) {
+TEST(FrameSetCollector, AResetGivesWhatIsThere) {
   Sets s;
   s.end(Stream::kDisparity, 3, kTwo);
   s.sets.reset(s.out);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fpga_stereo/core/gateware_configuration.hpp"
-#include "fpga_stereo/link/decoder.hpp"
+#include "link/decoder.hpp"
 
 namespace fpga_stereo::link {
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "fpga_stereo/core/spec.hpp"
+#include "fpga_stereo/link/streams.hpp"
 
 namespace fpga_stereo::link {
 
@@ -37,18 +38,6 @@ enum class PacketType : std::uint8_t {
   kRefused = kPacketRefused,
   kHeartbeat = kPacketHeartbeat,
 };
-
-/// What a leader, rows or a trailer are of; 0 in all other packets.
-enum class Stream : std::uint8_t {
-  kNone = 0,
-  kDisparity = kStreamDisparity,
-  kRectifiedLeft = kStreamRectifiedLeft,
-  kRectifiedRight = kStreamRectifiedRight,
-  kRawLeft = kStreamRawLeft,
-  kRawRight = kStreamRawRight,
-  kInput = kStreamInput,  // host to board: pairs, of each row the left one, then the right one
-};
-constexpr int kNumStreams = 7;
 
 /// What precedes the payload:
 ///

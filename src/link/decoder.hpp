@@ -8,7 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "fpga_stereo/link/packet.hpp"
+#include "fpga_stereo/link/counters.hpp"
+#include "link/packet.hpp"
 
 namespace fpga_stereo::link {
 
@@ -20,16 +21,6 @@ struct Packet {
 
 class Decoder {
  public:
-  /// Since the start.
-  struct Counters {
-    std::uint64_t bytes = 0;         // given
-    std::uint64_t packets = 0;       // delivered
-    std::uint64_t skipped = 0;       // bytes of no packet
-    std::uint64_t bad_headers = 0;   // a sync word with a wrong CRC or length behind it
-    std::uint64_t bad_payloads = 0;  // a right header with a wrong payload behind it
-    std::uint64_t lost = 0;          // packets, by gaps in the sequence
-  };
-
   /// Adds bytes as they came, split anywhere. Copies them once. Take all packets out before more
   /// are given: what is left stays in memory.
   void push(const std::uint8_t* bytes, std::size_t size);
@@ -39,13 +30,13 @@ class Decoder {
 
   /// The link has fallen silent: what looks like a packet that lacks its end is none. The scan goes
   /// on behind its sync word; call next() again.
-  void give_up();
+  void discard_partial_packet();
 
   /// Another stream begins: what waits is forgotten, and any sequence number is the first. The
   /// counters go on.
-  void restart();
+  void reset();
 
-  const Counters& counters() const { return counters_; }
+  const DecoderCounters& counters() const { return counters_; }
 
  private:
   std::size_t left() const { return bytes_.size() - at_; }
@@ -57,7 +48,7 @@ class Decoder {
   std::vector<std::uint8_t> bytes_;
   std::size_t at_ = 0;                     // first byte that is not yet decided upon
   std::optional<std::uint32_t> expected_;  // sequence number of the next packet
-  Counters counters_;
+  DecoderCounters counters_;
 };
 
 }  // namespace fpga_stereo::link

@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "fpga_stereo/link/decoder.hpp"
-#include "fpga_stereo/link/packet.hpp"
+#include "fpga_stereo/link/counters.hpp"
+#include "fpga_stereo/link/frame_set.hpp"
+#include "link/decoder.hpp"
+#include "link/packet.hpp"
 
 namespace fpga_stereo::link {
 
@@ -73,16 +75,8 @@ void append_frame(const Header& frame, const cv::Mat& image, std::uint32_t confi
                   std::vector<std::uint8_t>& bytes);
 
 /// What became of a frame.
-struct Assembled {
-  enum class Verdict {
-    kGood,
-    kIncomplete,    // some rows are missing and invalid: only if asked for
-    kRowsMissing,   // dropped: `missing_rows`
-    kNoTrailer,     // dropped: the next frame began, or the link was lost
-    kFlagged,       // dropped: the board calls it bad, see `flags`
-    kBadSignature,  // dropped: all rows are there, and yet it is not what the board sent
-  };
-  Verdict verdict = Verdict::kGood;
+struct AssembledFrame {
+  FrameVerdict verdict = FrameVerdict::kGood;
   Stream stream = Stream::kNone;
   std::uint64_t frame_id = 0;
   std::uint64_t timestamp = 0;  // us, board clock, mid-exposure
@@ -92,7 +86,7 @@ struct Assembled {
   int missing_rows = 0;
   cv::Mat image;  // 16UC1 or 8UC1; empty if dropped
 
-  bool dropped() const { return image.empty(); }
+  bool is_dropped() const { return image.empty(); }
   /// For people: "disparity frame 7 dropped: 3 of 480 rows are missing".
   std::string text() const;
 };
@@ -103,44 +97,36 @@ class FrameAssembler {
     /// A disparity frame that lacks rows comes out as kIncomplete, those rows without disparity.
     bool keep_incomplete = false;
   };
-  /// Since the start.
-  struct Counters {
-    std::uint64_t good = 0, dropped = 0, incomplete = 0;
-    std::uint64_t refused = 0;  // packets of no frame under way, or with impossible contents
-  };
-
   FrameAssembler() : FrameAssembler(Options{}) {}
   explicit FrameAssembler(Options options) : options_(options) {}
 
   /// Takes a leader, rows or a trailer; what it finishes is appended to `out`: none, one, or two
   /// (a leader ends the frame before). Other packets are left alone.
-  void add(const Packet& packet, std::vector<Assembled>& out);
+  void add(const Packet& packet, std::vector<AssembledFrame>& out);
 
   /// The link was lost: frames under way will not be finished.
-  void reset(std::vector<Assembled>& out);
+  void reset(std::vector<AssembledFrame>& out);
 
   /// frame_id of the frame of a stream that has begun and not ended.
-  std::optional<std::uint64_t> under_way(Stream stream) const;
+  std::optional<std::uint64_t> frame_in_flight(Stream stream) const;
 
-  const Counters& counters() const { return counters_; }
+  const FrameCounters& counters() const { return counters_; }
 
  private:
   struct Frame {
     bool open = false;
     Leader leader;
-    Assembled assembled;
+    AssembledFrame assembled;
     std::vector<bool> have;  // by row
   };
   void begin(const Packet& packet, Frame& frame);
   void take_rows(const Packet& packet, Frame& frame);
-  void end(const Packet& packet, Frame& frame, std::vector<Assembled>& out);
-  void finish(Frame& frame, Assembled::Verdict verdict, std::vector<Assembled>& out);
+  void end(const Packet& packet, Frame& frame, std::vector<AssembledFrame>& out);
+  void finish(Frame& frame, FrameVerdict verdict, std::vector<AssembledFrame>& out);
 
   Options options_;
   std::array<Frame, kNumStreams> frames_;
-  Counters counters_;
+  FrameCounters counters_;
 };
-
-const char* name(Stream stream);
 
 }  // namespace fpga_stereo::link

@@ -1,0 +1,25 @@
+// Timing of a session with a board.
+#pragma once
+
+#include <chrono>
+
+#include "fpga_stereo/core/spec.hpp"
+
+namespace fpga_stereo::link {
+
+struct SessionOptions {
+  std::chrono::milliseconds answer{250};                // timeout of a request
+  int tries = 4;                                        // of a request, the first one included
+  std::chrono::milliseconds silence{3 * kHeartbeatMs};  // before the watchdog's first step
+  std::chrono::milliseconds step{1000};                 // between two steps of the watchdog
+  std::chrono::milliseconds poll{kHeartbeatMs};         // between two polls of the counters
+  std::chrono::milliseconds retry{10000};               // before a rejected configuration is resent
+  /// The link stalls if for `stall` no frame has come, and the board has taken `periods` pairs of
+  /// which it should have sent the frames.
+  int periods = 10;
+  std::chrono::milliseconds stall{1000};
+  /// Delivers disparity frames that lack rows; the missing rows hold no disparity.
+  bool keep_incomplete = false;
+};
+
+}  // namespace fpga_stereo::link
