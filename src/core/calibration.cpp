@@ -1,20 +1,23 @@
 #include "fpga_stereo/core/calibration.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <sstream>
 #include <tuple>
+#include <utility>
 
 #include "core/stages.hpp"
 
 namespace fpga_stereo {
 namespace {
 
-constexpr double kSamePixel = 1e-3;  // px; f and cy of a pair may differ by rounding of a file
+constexpr double kMaxRotationError = 1e-2;  // |R R^T - I|
+constexpr double kMaxDifference = 1e-3;     // px between f or cy of a pair: rounding in files
 
-/// K and P of the delivered image: binning and region of interest applied.
+/// The matrices of the delivered image, after region of interest and binning.
 struct ImageCamera {
   cv::Matx33d K, R, P;
-  double fx_times_baseline = 0;  // P[3]
+  double minus_fx_times_baseline = 0;  // px m, P[3]
 };
 
 ImageCamera image_camera(const CameraCalibration& camera) {
@@ -30,7 +33,7 @@ ImageCamera image_camera(const CameraCalibration& camera) {
       (*matrix)(1, column) *= scale_y;
     }
   }
-  image.fx_times_baseline *= scale_x;
+  image.minus_fx_times_baseline *= scale_x;
   return image;
 }
 
@@ -42,17 +45,12 @@ bool all_finite(const Container& values) {
   return true;
 }
 
-template <class... Parts>
-Error error(ErrorKind kind, const Parts&... parts) {
-  std::ostringstream text;
-  text.precision(10);
-  (text << ... << parts);
-  return {kind, text.str()};
+template <class... Arguments>
+Error error(ErrorKind kind, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+  return {kind, fmt::format(text, std::forward<Arguments>(arguments)...)};
 }
 
-std::string text(cv::Size size) {
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
+std::string text(cv::Size size) { return fmt::format("{}x{}", size.width, size.height); }
 
 bool all_zero(const std::vector<double>& values) {
   for (const double value : values) {
@@ -66,38 +64,45 @@ Status validate_distortion(const CameraCalibration& camera, const std::string& n
   const std::string& model = camera.distortion_model;
   const std::size_t expected = model == "plumb_bob" ? 5 : model == "rational_polynomial" ? 8 : 0;
   if (expected == 0) {
-    return error(ErrorKind::kCalibration, name, " camera_info distortion_model = \"", model,
-                 "\": allowed plumb_bob or rational_polynomial");
+    return error(
+        ErrorKind::kCalibration,
+        "{} camera_info distortion_model = \"{}\": allowed plumb_bob or rational_polynomial", name,
+        model);
   }
   if (camera.D.size() != expected) {
-    return error(ErrorKind::kCalibration, name, " camera_info D has ", camera.D.size(),
-                 " values: ", model, " has ", expected);
+    return error(ErrorKind::kCalibration, "{} camera_info D has {} values: {} needs {}", name,
+                 camera.D.size(), model, expected);
   }
   return {};
 }
 
 Status validate_size(const CameraCalibration& camera, const std::string& name) {
   if (camera.width <= 0 || camera.height <= 0) {
-    return error(ErrorKind::kCalibration, name, " camera_info width x height = ", camera.width, "x",
-                 camera.height, ": allowed 1x1 or more");
+    return error(ErrorKind::kCalibration,
+                 "{} camera_info width x height = {}x{}: allowed 1x1 or more", name, camera.width,
+                 camera.height);
   }
   const cv::Rect& roi = camera.roi;
   const bool inside = roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
                       roi.width <= camera.width && roi.x <= camera.width - roi.width &&
                       roi.height <= camera.height && roi.y <= camera.height - roi.height;
   if (roi != cv::Rect() && !inside) {
-    return error(ErrorKind::kCalibration, name, " camera_info roi ", text(roi.size()), "+", roi.x,
-                 "+", roi.y, " is no part of the image of ", text({camera.width, camera.height}),
-                 "; all 0 means all of it");
+    return error(
+        ErrorKind::kCalibration,
+        "{} camera_info roi {}+{}+{} does not lie within the image of {}: allowed are parts "
+        "of the image, or all 0 for the whole image",
+        name, text(roi.size()), roi.x, roi.y, text({camera.width, camera.height}));
   }
   if (camera.binning_x < 0 || camera.binning_y < 0 || camera.image_size().empty()) {
-    return error(ErrorKind::kCalibration, name, " camera_info binning ", camera.binning_x, "x",
-                 camera.binning_y, " leaves no pixel");
+    return error(ErrorKind::kCalibration,
+                 "{} camera_info binning {}x{} leaves no pixels: allowed 0x0 to {}", name,
+                 camera.binning_x, camera.binning_y,
+                 text(roi.empty() ? cv::Size(camera.width, camera.height) : roi.size()));
   }
   const cv::Size size = camera.image_size();
   if (size.width > kMaxWidth || size.height > kMaxHeight) {
-    return error(ErrorKind::kImageSize, name, " camera_info gives images of ", text(size),
-                 ": allowed up to ", text({kMaxWidth, kMaxHeight}));
+    return error(ErrorKind::kImageSize, "{} camera_info describes images of {}: allowed up to {}",
+                 name, text(size), text({kMaxWidth, kMaxHeight}));
   }
   return {};
 }
@@ -123,7 +128,7 @@ ExactMap exact_map(const CameraCalibration& camera, double shift_x) {
 
   return [=](double column, double row) -> cv::Point2d {
     const cv::Vec3d ray = to_ray * cv::Vec3d(column - shift_x, row, 1);
-    if (!(ray[2] > 0)) return {std::nan(""), std::nan("")};  // behind the camera
+    if (!(ray[2] > 0)) return {std::nan(""), std::nan("")};  // the ray points behind the camera
     const double x = ray[0] / ray[2];
     const double y = ray[1] / ray[2];
     const double r2 = x * x + y * y;
@@ -146,9 +151,10 @@ ExactMap exact_map(const std::array<double, 9>& homography, double shift_x) {
 
 Status validate(const CameraCalibration& camera, const std::string& name) {
   if (camera.K[0] == 0) {
-    return error(ErrorKind::kUncalibrated, name,
-                 " camera is uncalibrated: camera_info K[0] = 0; calibrate it first, for example "
-                 "with camera_calibration");
+    return error(ErrorKind::kUncalibrated,
+                 "{} camera is uncalibrated: camera_info K[0] = 0; calibrate it first, for example "
+                 "with camera_calibration",
+                 name);
   }
   if (Status status = validate_size(camera, name); !status) return status;
   const std::pair<const char*, bool> fields[] = {{"K", all_finite(camera.K)},
@@ -157,33 +163,38 @@ Status validate(const CameraCalibration& camera, const std::string& name) {
                                                  {"P", all_finite(camera.P)}};
   for (const auto& [field, finite] : fields) {
     if (!finite) {
-      return error(ErrorKind::kCalibration, name, " camera_info ", field,
-                   " has a value that is not finite");
+      return error(ErrorKind::kCalibration, "{} camera_info {} has a value that is not finite",
+                   name, field);
     }
   }
   for (const int i : {0, 4}) {
     if (camera.K[i] <= 0) {
-      return error(ErrorKind::kCalibration, name, " camera_info K[", i, "] = ", camera.K[i],
-                   ": the focal length must be positive");
+      return error(ErrorKind::kCalibration,
+                   "{} camera_info K[{}] = {:.10g}: the focal length must be positive", name, i,
+                   camera.K[i]);
     }
   }
   for (const int i : {0, 5}) {
     if (camera.P[i] <= 0) {
-      return error(ErrorKind::kCalibration, name, " camera_info P[", i, "] = ", camera.P[i],
-                   ": the focal length must be positive; a stereo calibration fills it");
+      return error(ErrorKind::kCalibration,
+                   "{} camera_info P[{}] = {:.10g}: the focal length must be positive; a stereo "
+                   "calibration sets it",
+                   name, i, camera.P[i]);
     }
   }
   const cv::Matx33d R(camera.R.data());
   const double off = cv::norm(R * R.t() - cv::Matx33d::eye());
-  if (off > 1e-2 || cv::determinant(R) < 0) {
-    return error(ErrorKind::kCalibration, name,
-                 " camera_info R is no rotation: |R R^T - I| = ", off, ", determinant ",
-                 cv::determinant(R),
-                 ": allowed are up to 0.01, and 1; without rectification R is the identity");
+  if (off > kMaxRotationError || cv::determinant(R) < 0) {
+    return error(ErrorKind::kCalibration,
+                 "{} camera_info R is not a rotation: |R R^T - I| = {:.10g}, determinant {:.10g}; "
+                 "allowed are up to {} and a determinant of 1. Without rectification R is the "
+                 "identity",
+                 name, off, cv::determinant(R), kMaxRotationError);
   }
   if (camera.P[10] != 1 || camera.P[8] != 0 || camera.P[9] != 0) {
-    return error(ErrorKind::kCalibration, name, " camera_info P has the third row ", camera.P[8],
-                 " ", camera.P[9], " ", camera.P[10], ": allowed 0 0 1");
+    return error(ErrorKind::kCalibration,
+                 "{} camera_info P has the third row {:.10g} {:.10g} {:.10g}: allowed 0 0 1", name,
+                 camera.P[8], camera.P[9], camera.P[10]);
   }
   return validate_distortion(camera, name);
 }
@@ -199,16 +210,18 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
   StereoGeometry& geometry = pair.geometry;
   geometry.image_size = left.image_size();
   if (left.image_size() != right.image_size()) {
-    return error(ErrorKind::kCalibration, "left and right camera_info give images of ",
-                 text(left.image_size()), " and ", text(right.image_size()),
-                 ": they must have one size");
+    return error(ErrorKind::kCalibration,
+                 "left and right camera_info describe images of {} and {}: the sizes must be equal",
+                 text(left.image_size()), text(right.image_size()));
   }
   const ImageCamera left_image = image_camera(left);
   const ImageCamera right_image = image_camera(right);
   const auto same = [&](const char* what, double l, double r) -> Status {
-    if (std::abs(l - r) <= kSamePixel) return {};
-    return error(ErrorKind::kCalibration, what, " of left and right camera_info P differ: ", l,
-                 " and ", r, ": they must be equal, else the pair is not rectified");
+    if (std::abs(l - r) <= kMaxDifference) return {};
+    return error(ErrorKind::kCalibration,
+                 "{} of left and right camera_info P differ ({:.10g} and {:.10g}): they must be "
+                 "equal for a rectified pair",
+                 what, l, r);
   };
   if (Status s = same("fx", left_image.P(0, 0), right_image.P(0, 0)); !s) return s.error();
   if (Status s = same("fy", left_image.P(1, 1), right_image.P(1, 1)); !s) return s.error();
@@ -218,11 +231,12 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
   geometry.cx = left_image.P(0, 2);
   geometry.cx_right = right_image.P(0, 2);
   geometry.cy = left_image.P(1, 2);
-  geometry.baseline = -right_image.fx_times_baseline / geometry.fx;
+  geometry.baseline = -right_image.minus_fx_times_baseline / geometry.fx;
   if (!(geometry.baseline > 0)) {
-    return error(ErrorKind::kCalibration, "right camera_info P[3] = ", right.P[3],
-                 ": it must be minus focal length times baseline, thus negative; are left and "
-                 "right swapped?");
+    return error(ErrorKind::kCalibration,
+                 "right camera_info P[3] = {:.10g}: it must be minus focal length times baseline, "
+                 "so negative; are left and right swapped?",
+                 right.P[3]);
   }
 
   const cv::Size size = geometry.image_size;

@@ -9,10 +9,10 @@
 namespace fpga_stereo {
 namespace {
 
-/// A point with the most that a layout has: x, y, z, 0, colour, 0, 0, 0.
+/// A point of the largest layout: x, y, z, 0, colour, 0, 0, 0.
 using Point = std::array<float, 8>;
 
-/// What stands in the fourth or fifth field of a point.
+/// Returns the colour field of a point.
 template <PointColor kColor, int kChannels>
 float color_field(const std::uint8_t* pixel) {
   if constexpr (kColor == PointColor::kMono && kChannels == 1) return pixel[0];
@@ -26,7 +26,7 @@ float color_field(const std::uint8_t* pixel) {
   return field;
 }
 
-/// One row of points from `out` on; where they end.
+/// Writes a row of points to `out`. Returns the end of what was written.
 template <PointColor kColor, int kChannels, bool kPadded>
 std::uint8_t* write_row(const std::uint16_t* disparity, const std::uint8_t* color, int width, int y,
                         const Reprojection& r, const CloudLayout& layout, std::uint8_t* out) {
@@ -38,11 +38,11 @@ std::uint8_t* write_row(const std::uint16_t* disparity, const std::uint8_t* colo
     const double d = static_cast<double>(disparity[x]) / kDisparityScale + r.offset;
     const bool valid = disparity[x] != kNoDisparity && d > 0;
     if (!valid && !layout.organized) continue;
-    const double metres = valid ? r.baseline / d : std::numeric_limits<double>::quiet_NaN();
+    const double metres_per_px = valid ? r.baseline / d : std::numeric_limits<double>::quiet_NaN();
     Point point{};
-    point[0] = static_cast<float>((x - r.cx) * metres);  // per px
-    point[1] = static_cast<float>(row * metres);
-    point[2] = static_cast<float>(r.fx * metres);
+    point[0] = static_cast<float>((x - r.cx) * metres_per_px);
+    point[1] = static_cast<float>(row * metres_per_px);
+    point[2] = static_cast<float>(r.fx * metres_per_px);
     if constexpr (kColor != PointColor::kNone) {
       point[kColorAt] =
           color_field<kColor, kChannels>(color + static_cast<std::ptrdiff_t>(x) * kChannels);
@@ -83,7 +83,7 @@ void to_cloud(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& 
   const int n = layout.decimation;
   out.width = (disparity.cols + n - 1) / n;
   out.height = (disparity.rows + n - 1) / n;
-  // Every byte is written: what was there does not matter.
+  // All bytes are written below, so old contents do not matter.
   out.data.resize(static_cast<std::size_t>(out.width) * out.height * step);
 
   const auto write = writer(layout, color.channels());

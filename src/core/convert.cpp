@@ -9,7 +9,8 @@
 namespace fpga_stereo {
 namespace {
 
-/// A table over all values of a disparity image: what each becomes.
+/// Returns a table of function(disparity in px) for all values of a disparity image; the entry of
+/// kNoDisparity is 0.
 template <class T, class Function>
 std::vector<T> lookup(Function function) {
   std::vector<T> table(kNoDisparity + 1);

@@ -7,7 +7,7 @@
 namespace fpga_stereo {
 namespace {
 
-/// Bits set in a word, in steps that every compiler can vectorise
+/// Returns the number of bits set in a word, in steps that every compiler can vectorise
 /// (H. S. Warren, "Hacker's Delight", 5-1).
 std::uint32_t popcount(std::uint32_t v) {
   v -= (v >> 1) & 0x55555555U;
@@ -18,7 +18,7 @@ std::uint32_t popcount(std::uint32_t v) {
   return v & 0x3FU;
 }
 
-/// Hamming distance of two rows of `count` census values of kWords words each.
+/// Computes the Hamming distances of two rows of `count` census values of kWords words each.
 template <int kWords>
 void hamming_row(const std::uint32_t* left, const std::uint32_t* right, int count,
                  std::uint8_t* out) {
@@ -63,7 +63,8 @@ void Match::hamming(int y, cv::Mat1b& row) const {
   const auto* left = left_.ptr<std::uint32_t>(y);
   const auto* right = right_.ptr<std::uint32_t>(y);
   for (int d = 0; d < row.rows; ++d) {
-    const int unseen = std::min(d, row.cols);  // left pixels whose partner is outside: chance
+    const int unseen =
+        std::min(d, row.cols);  // left pixels whose partner lies outside: half the bits
     std::fill(row[d], row[d] + unseen, static_cast<std::uint8_t>(half_));
     kernel(left + static_cast<std::ptrdiff_t>(unseen) * words, right, row.cols - unseen,
            row[d] + unseen);
@@ -74,7 +75,7 @@ const cv::Mat1w& Match::next() {
   const int window = static_cast<int>(hamming_.size());
   const int leaving = row_ - radius_ - 1;
   const int entering = row_ + radius_;
-  // Both rows share a slot: they are one window height apart.
+  // Both rows share a slot, as they are one window height apart.
   cv::Mat1b& slot = hamming_[entering % window];
   if (leaving >= first_summed_) {
     cv::subtract(columns_, slot, columns_, cv::noArray(), CV_16U);

@@ -27,7 +27,7 @@ cv::Point MeshRow::source(int x) const {
   const cv::Point left = columns_[x / kMeshPitch];
   const cv::Point step = columns_[x / kMeshPitch + 1] - left;
   const cv::Point exact = left * kMeshPitch + step * (x % kMeshPitch);
-  // An arithmetic shift rounds towards minus infinity: with half a unit added, half up.
+  // An arithmetic shift rounds towards minus infinity, so adding half a unit first rounds half up.
   static_assert(kUnits == 1 << 8);
   return {x * kSourceScale + ((exact.x + kUnits / 2) >> 8),
           y_ * kSourceScale + ((exact.y + kUnits / 2) >> 8)};

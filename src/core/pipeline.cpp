@@ -1,5 +1,7 @@
 #include "fpga_stereo/core/pipeline.hpp"
 
+#include <fmt/format.h>
+
 #include "core/bands.hpp"
 #include "core/reference_pipeline.hpp"
 #include "core/stages.hpp"
@@ -13,17 +15,15 @@ namespace fpga_stereo {
 Status validate_image(const cv::Mat& raw, const StereoRectification& rectification,
                       const std::string& camera) {
   const cv::Size expected = rectification.geometry.image_size;
-  const auto text = [](int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-  };
   if (raw.size() != expected) {
-    return Error{ErrorKind::kImageSize, camera + " image is " + text(raw.cols, raw.rows) +
-                                            ": its camera_info says " +
-                                            text(expected.width, expected.height)};
+    return Error{ErrorKind::kImageSize,
+                 fmt::format("{} image is {}x{}: its camera_info says {}x{}", camera, raw.cols,
+                             raw.rows, expected.width, expected.height)};
   }
   if (raw.empty() || raw.cols > kMaxWidth || raw.rows > kMaxHeight) {
-    return Error{ErrorKind::kImageSize, camera + " image is " + text(raw.cols, raw.rows) +
-                                            ": allowed 1x1 to " + text(kMaxWidth, kMaxHeight)};
+    return Error{ErrorKind::kImageSize,
+                 fmt::format("{} image is {}x{}: allowed 1x1 to {}x{}", camera, raw.cols, raw.rows,
+                             kMaxWidth, kMaxHeight)};
   }
   return {};
 }

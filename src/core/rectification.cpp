@@ -1,16 +1,18 @@
-// Meshes from exact maps, and what they cost: deviation and line buffer.
+// Computes meshes from exact maps, their deviation and what they need of the line buffer.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "fpga_stereo/core/calibration.hpp"
 
 namespace fpga_stereo {
 namespace {
 
-constexpr double kLargestDeviation = 1.0;  // px: a mesh further off than this is refused
+constexpr double kMaxDeviation = 1.0;  // px between mesh and exact map
 
+/// Converts a displacement in px to units of a mesh node; saturates.
 std::int16_t node_units(double displacement) {
   constexpr double kLimit = std::numeric_limits<std::int16_t>::max();
   // Half up, as everywhere else in the pipeline.
@@ -30,23 +32,24 @@ Result<CameraRectification> make_rectification(const ExactMap& map, cv::Size rec
       const cv::Point2d at(i * kMeshPitch, j * kMeshPitch);
       const cv::Point2d source = map(at.x, at.y);
       if (!std::isfinite(source.x) || !std::isfinite(source.y)) {
-        std::ostringstream text;
-        text << camera << " camera: rectified pixel (" << at.x << ", " << at.y
-             << ") has no source: the calibration looks behind the camera";
-        return Error{ErrorKind::kCalibration, text.str()};
+        return Error{
+            ErrorKind::kCalibration,
+            fmt::format("{} camera: rectified pixel ({}, {}) has no source: its ray points "
+                        "behind the camera",
+                        camera, at.x, at.y)};
       }
-      // Far outside the raw image a node saturates; that is seen as a deviation if it matters.
+      // Nodes far outside the raw image saturate; mesh_deviation() shows it if a pixel is affected.
       made.mesh.nodes(j, i) = {node_units(source.x - at.x), node_units(source.y - at.y)};
     }
   }
   made.deviation = mesh_deviation(made.mesh, map, raw);
-  if (made.deviation.max > kLargestDeviation) {
-    std::ostringstream text;
-    text << camera << " camera: the rectification mesh is " << made.deviation.max
-         << " px off the exact map at pixel (" << made.deviation.max_at.x << ", "
-         << made.deviation.max_at.y << "): allowed " << kLargestDeviation
-         << "; a pixel may move by less than 256 px";
-    return Error{ErrorKind::kCalibration, text.str()};
+  if (made.deviation.max > kMaxDeviation) {
+    return Error{
+        ErrorKind::kCalibration,
+        fmt::format("{} camera: the rectification mesh is {:.6g} px off the exact map at "
+                    "pixel ({}, {}): allowed up to {}; pixels may move by less than 256 px",
+                    camera, made.deviation.max, made.deviation.max_at.x, made.deviation.max_at.y,
+                    kMaxDeviation)};
   }
   made.line_buffer = line_buffer_need(made.mesh, raw);
   return made;
@@ -77,7 +80,7 @@ MeshDeviation mesh_deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw
 }
 
 LineBufferNeed line_buffer_need(const Mesh& mesh, cv::Size raw) {
-  // Raster numbers of raw pixels relative to the rectified pixel that reads them.
+  // Raster positions of raw pixels, relative to the rectified pixel that reads them.
   std::int64_t oldest = std::numeric_limits<std::int64_t>::max();
   std::int64_t newest = std::numeric_limits<std::int64_t>::min();
   LineBufferNeed need;
@@ -86,7 +89,7 @@ LineBufferNeed line_buffer_need(const Mesh& mesh, cv::Size raw) {
     for (int x = 0; x < mesh.size.width; ++x) {
       const cv::Point source = row.source(x);
       const cv::Point tap(source.x >> kSourceShift, source.y >> kSourceShift);
-      // Of the 2 x 2 pixels, those in the raw image; the others read as 0.
+      // The taps that lie in the raw image; the others are 0 without being read.
       const int left = std::max(tap.x, 0), right = std::min(tap.x + 1, raw.width - 1);
       const int top = std::max(tap.y, 0), bottom = std::min(tap.y + 1, raw.height - 1);
       if (left > right || top > bottom) continue;
@@ -97,7 +100,7 @@ LineBufferNeed line_buffer_need(const Mesh& mesh, cv::Size raw) {
       newest = std::max(newest, std::int64_t{bottom} * raw.width + right - now);
     }
   }
-  if (newest < oldest) return need;  // nothing of the raw image is seen
+  if (newest < oldest) return need;  // no raw pixel is read
   need.read_start = std::max<std::int64_t>(0, newest + 1);
   need.rows = static_cast<int>((need.read_start - oldest + raw.width - 1) / raw.width);
   return need;
@@ -105,11 +108,10 @@ LineBufferNeed line_buffer_need(const Mesh& mesh, cv::Size raw) {
 
 Status check_line_buffer(const LineBufferNeed& need, int rows, const std::string& camera) {
   if (need.rows <= rows) return {};
-  std::ostringstream text;
-  text << camera << " camera: its rectification needs a line buffer of " << need.rows << " rows ("
-       << need.rows_above << " above and " << need.rows_below
-       << " below the output row): the buffer has " << rows;
-  return Error{ErrorKind::kCalibration, text.str()};
+  return Error{ErrorKind::kCalibration,
+               fmt::format("{} camera: its rectification needs a line buffer of {} rows ({} above "
+                           "and {} below the output row): the buffer has {}",
+                           camera, need.rows, need.rows_above, need.rows_below, rows)};
 }
 
 }  // namespace fpga_stereo

@@ -34,7 +34,7 @@ const Taps& ReferencePipeline::process(const cv::Mat1b& left_raw, const cv::Mat1
     rectify(left_raw, rectification.left.mesh, rows, t.left);
     rectify(right_raw, rectification.right.mesh, rows, t.right);
   });
-  // Once for no row: gives the outputs their size before bands write to them.
+  // These calls process no rows, but create the outputs before bands write to them in parallel.
   census(t.left, parameters, {0, 0}, t.left_bits);
   census(t.right, parameters, {0, 0}, t.right_bits);
   timed(Stage::kCensus, [&](cv::Range rows) {
@@ -71,7 +71,7 @@ void ReferencePipeline::match_and_select(const Parameters& parameters, int num_t
       start = Clock::now();
     }
   });
-  // Both stages share each row, so the wall-clock time is split as the threads' time is.
+  // The stages take turns on each row, so the wall-clock time is split as the threads' times are.
   const double wall = ms_since(begin);
   double match_total = 0;
   double select_total = 0;

@@ -34,8 +34,8 @@ void select(const cv::Mat1w& sums, int y, Selection& out) {
     }
   }
 
-  // The right pixel xr sees the left pixel xr + d: the diagonal of the same sums (the paper's
-  // Fig. 6). runner_up_sum serves as the running minimum.
+  // Right pixel xr is compared with left pixel xr + d, which is a diagonal of the same sums (the
+  // paper's Fig. 6). runner_up_sum serves as the running minimum here.
   std::copy(sums[0], sums[0] + width, runner_up_sum);
   std::fill(right_winner, right_winner + width, std::uint8_t{0});
   for (int d = 1; d < std::min(range, width); ++d) {
@@ -47,13 +47,13 @@ void select(const cv::Mat1w& sums, int y, Selection& out) {
     }
   }
 
-  // Neighbours of the winner are no rivals: a minimum between two pixels makes both low.
+  // The winner's neighbours are not runners-up: a minimum between two disparities makes both low.
   std::fill(runner_up_sum, runner_up_sum + width, std::uint16_t{0xFFFF});
   for (int d = 0; d < range; ++d) {
     const std::uint16_t* sum = sums[d];
     for (int x = 0; x < width; ++x) {
-      const bool rival = std::abs(d - winner[x]) > 1;
-      runner_up_sum[x] = rival ? std::min(runner_up_sum[x], sum[x]) : runner_up_sum[x];
+      const bool is_candidate = std::abs(d - winner[x]) > 1;
+      runner_up_sum[x] = is_candidate ? std::min(runner_up_sum[x], sum[x]) : runner_up_sum[x];
     }
   }
 

@@ -8,7 +8,7 @@ std::uint32_t rotate_left(std::uint32_t word, int bits) {
   return bits == 0 ? word : word << bits | word >> (32 - bits);
 }
 
-/// Bit k goes to bit k mod 32.
+/// Returns the exclusive or of all words: bit k goes to bit k mod 32.
 std::uint32_t fold(const std::uint32_t* bits, int words) {
   std::uint32_t folded = 0;
   for (int i = 0; i < words; ++i) folded ^= bits[i];

@@ -9,7 +9,7 @@
 namespace fpga_stereo {
 namespace {
 
-/// Regions of connected pixels with their areas: a union-find forest over pixel numbers.
+/// Regions of connected pixels and their areas: a union-find forest over pixel numbers.
 class Regions {
  public:
   explicit Regions(std::size_t pixels) : parent_(pixels), area_(pixels, 1) {
@@ -41,8 +41,9 @@ class Regions {
 
 }  // namespace
 
-// A pixel of row y is kept iff its region, as far as rows 0 .. y + L show it, has speckle_size
-// pixels. Whole rows: so the answer depends on the image alone, not on when labels are merged.
+// A pixel of row y is kept iff its region, as seen in rows 0 .. y + kSpeckleLookAhead, has at least
+// speckle_size pixels. Looking at whole rows makes the result depend on the image alone, not on
+// when labels are merged.
 void speckle(const Parameters& p, cv::Mat1w& disparity) {
   if (p.speckle_size == 0) return;
   const int width = disparity.cols;

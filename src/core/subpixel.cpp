@@ -6,8 +6,9 @@
 namespace fpga_stereo {
 namespace {
 
-/// Vertex of the least-squares parabola through five sums at -2 .. 2, in 1/32 px: 7 num / (10 den),
-/// rounded half away from zero and clamped to +-1 px; 0 where the parabola opens downwards.
+/// Returns the vertex of the least-squares parabola through five sums at -2 .. 2, in 1/32 px:
+/// 7 num / (10 den), rounded half away from zero and clamped to +-1 px. Returns 0 if the parabola
+/// does not open upwards.
 int vertex(const cv::Vec<std::uint16_t, 5>& c) {
   const int num = 2 * c[0] + c[1] - c[3] - 2 * c[4];
   const int den = 2 * c[0] - c[1] - 2 * c[2] - c[3] + 2 * c[4];

@@ -1,5 +1,7 @@
 #include "fpga_stereo/core/target.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <cstdlib>
 #include <mutex>
@@ -14,13 +16,14 @@ namespace {
 
 struct Target {
   std::string name;
-  std::int64_t bit;  // of highway; 0: scalar
+  std::int64_t bit;  // highway's number of the target; 0: scalar
 };
 
-std::vector<Target> available() {
+/// Returns the targets of this machine and build, best first.
+std::vector<Target> available_targets() {
   std::vector<Target> found;
 #ifdef FPGA_STEREO_SIMD
-  // What is emulated is no faster than the reference.
+  // Emulated targets are no faster than the reference.
   constexpr std::int64_t kEmulated = HWY_EMU128 | HWY_SCALAR;
   static const std::vector<std::int64_t> bits = hwy::SupportedAndGeneratedTargets();
   for (const std::int64_t bit : bits) {
@@ -31,7 +34,7 @@ std::vector<Target> available() {
   return found;
 }
 
-void use(const Target& target) {
+void set_dispatch(const Target& target) {
 #ifdef FPGA_STEREO_SIMD
   if (target.bit != 0) hwy::GetChosenTarget().Update(target.bit);
 #else
@@ -39,13 +42,18 @@ void use(const Target& target) {
 #endif
 }
 
-/// The target in use.
-class Choice {
+/// The target in use, for all threads.
+class TargetChoice {
  public:
-  Choice() {
+  TargetChoice() {
     const char* variable = std::getenv(kTargetVariable);
-    if (variable != nullptr && *variable != '\0') status_ = set(variable);
-    if (name_.empty()) (void)set(available().front().name);
+    if (variable != nullptr && *variable != '\0') {
+      if (const Status status = set(variable); !status) {
+        status_ = Error{status.error().kind,
+                        fmt::format("{}: {}", kTargetVariable, status.error().message)};
+      }
+    }
+    if (name_.empty()) (void)set(available_targets().front().name);
   }
 
   std::string name() const {
@@ -56,17 +64,19 @@ class Choice {
 
   Status set(const std::string& name) {
     std::string allowed;
-    for (const Target& target : available()) {
+    for (const Target& target : available_targets()) {
       if (target.name == name) {
         const std::lock_guard<std::mutex> lock(mutex_);
-        use(target);
+        set_dispatch(target);
         name_ = name;
         return {};
       }
       allowed += (allowed.empty() ? "" : ", ") + target.name;
     }
-    return Error{ErrorKind::kInvalid, "'" + name + "' is no target of this machine and build (" +
-                                          kTargetVariable + "): allowed " + allowed};
+    return Error{
+        ErrorKind::kInvalid,
+        fmt::format("SIMD target '{}' is not available on this machine and build: allowed {}", name,
+                    allowed)};
   }
 
  private:
@@ -75,16 +85,16 @@ class Choice {
   Status status_;
 };
 
-Choice& choice() {
-  static Choice made;
-  return made;
+TargetChoice& choice() {
+  static TargetChoice instance;
+  return instance;
 }
 
 }  // namespace
 
 std::vector<std::string> targets() {
   std::vector<std::string> names;
-  for (const Target& target : available()) names.push_back(target.name);
+  for (const Target& target : available_targets()) names.push_back(target.name);
   return names;
 }
 

@@ -44,7 +44,7 @@ cv::Mat matrix(const double* values, int rows, int cols) {
   return cv::Mat(rows, cols, CV_64F, const_cast<double*>(values)).clone();
 }
 
-/// remap with maps of fixed point, as image_geometry makes them.
+/// cv::remap with fixed-point maps, as image_geometry computes them.
 class Remap {
  public:
   explicit Remap(const CameraCalibration& c) {
@@ -106,8 +106,8 @@ Contender make_ours(const std::string& pattern, const Scene& scene, int disparit
 
 Scene make_scene(cv::Size size) {
   Scene scene;
-  scene.real = test::data_dir().has_value();
-  if (scene.real) {
+  scene.is_real = test::data_dir().has_value();
+  if (scene.is_real) {
     const test::ImagePair pair = test::euroc_pair(0);
     const test::CalibrationPair cameras = test::euroc_calibration();
     cv::resize(pair.left, scene.left, size, 0, 0, cv::INTER_AREA);

@@ -1,4 +1,4 @@
-// What the benchmark compares: from the same raw pair to a filtered disparity, each in its own way.
+// The contenders of the benchmark. Each computes a filtered disparity image from the same raw pair.
 #pragma once
 
 #include <functional>
@@ -11,20 +11,20 @@
 
 namespace fpga_stereo::bench {
 
-/// A raw pair and its calibration: a real one where the test data is there, scaled to `size`; else
-/// of random texture.
+/// A raw pair and its calibration.
 struct Scene {
   cv::Mat1b left, right;
   CameraCalibration left_camera, right_camera;
-  bool real = false;
+  bool is_real = false;
 };
+/// Returns a real pair scaled to `size`, or a random texture if the test data is missing.
 Scene make_scene(cv::Size size);
 
-/// Computes the disparity of the scene once. ms: of the stages, where the contender knows them.
+/// Computes the disparity image of the scene once. Sets `ms` if the contender measures stages.
 using Contender = std::function<void(StageTimes& ms)>;
 
-/// Names: fpga_stereo/sparse, fpga_stereo/full, fpga_stereo/sparse_scalar, opencv/StereoBM,
-/// opencv/StereoSGBM, opencv/StereoSGBM_3WAY.
+/// Returns the names: fpga_stereo/sparse, fpga_stereo/full, fpga_stereo/sparse_scalar,
+/// opencv/StereoBM, opencv/StereoSGBM, opencv/StereoSGBM_3WAY.
 const std::vector<std::string>& contender_names();
 Contender make_contender(const std::string& name, const Scene& scene, int disparities, int threads);
 

@@ -1,5 +1,5 @@
-// Ours and OpenCV's block matching side by side: names are who/what/WxHxD/threads. See
-// test/bench/README.md for how it is run.
+// Measures our pipeline and OpenCV's block matching side by side. Names are who/what/WxHxD/threads.
+// test/bench/README.md explains how to run it.
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
@@ -20,11 +20,11 @@ struct Size {
 constexpr Size kSizes[] = {{640, 480, 64},  {640, 480, 128}, {752, 480, 64},
                            {752, 480, 128}, {1280, 720, 64}, {1280, 720, 128}};
 
-/// Other sizes for ours: how time and memory grow.
+/// More sizes for our pipeline, to show how time and memory grow.
 constexpr Size kMoreSizes[] = {{320, 240, 64}, {640, 360, 64},  {640, 360, 256},
                                {640, 480, 32}, {640, 480, 256}, {1280, 960, 64}};
 
-/// Allocated and not yet free.
+/// Returns the memory that is allocated and not yet freed.
 double heap_mib() {
 #if __GLIBC_PREREQ(2, 33)
   const auto info = mallinfo2();
@@ -47,7 +47,7 @@ void measure(benchmark::State& state, const std::string& name, const Size& size,
   const double heap_before = heap_mib();
   const Contender contender = make_contender(name, scene, size.disparities, threads);
   StageTimes ms{}, sum{};
-  contender(ms);  // memory is taken, pages are there
+  contender(ms);  // allocates memory and touches its pages
   state.counters["MiB"] = heap_mib() - heap_before;
   for (auto _ : state) {
     contender(ms);
@@ -59,7 +59,7 @@ void measure(benchmark::State& state, const std::string& name, const Size& size,
   state.counters["MDE/s"] = benchmark::Counter(evaluations * frames, benchmark::Counter::kIsRate);
   state.counters["MDE/s/core"] =
       benchmark::Counter(evaluations * frames / threads, benchmark::Counter::kIsRate);
-  state.counters["real_scene"] = scene.real ? 1 : 0;
+  state.counters["real_scene"] = scene.is_real ? 1 : 0;
   for (std::size_t i = 0; sum[0] > 0 && i < sum.size(); ++i) {
     state.counters[std::string("ms_") + kStageNames[i]] = sum[i] / frames;
   }

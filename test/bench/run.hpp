@@ -1,4 +1,4 @@
-// What the programs of Google Benchmark share.
+// Shared by the programs of Google Benchmark.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -7,7 +7,7 @@
 
 namespace fpga_stereo::bench {
 
-/// Runs what is registered, as the command line says; the exit status.
+/// Runs the registered benchmarks as the command line says. Returns the exit status.
 inline int run(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -1,4 +1,4 @@
-// The Middlebury stereo evaluation, version 2: what matching reaches on real images.
+// Accuracy of matching on real images: the Middlebury stereo evaluation, version 2.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using Accuracy = DataTest;
 
-/// Percentage of the pixels of `mask` that are off by more than 1 px.
+/// Returns the percentage of pixels in `mask` whose disparity is off by more than 1 px.
 double bad_percent(const cv::Mat1w& disparity, const cv::Mat1f& truth, const cv::Mat1b& mask) {
   int bad = 0;
   int count = 0;
@@ -26,7 +26,7 @@ double bad_percent(const cv::Mat1w& disparity, const cv::Mat1f& truth, const cv:
   return 100.0 * bad / count;
 }
 
-/// Average over four pairs and three regions; dense, whole pixels.
+/// Returns the average over four pairs and three regions, for dense disparities in whole pixels.
 double average_bad_percent(CensusPattern pattern) {
   double sum = 0;
   for (const std::string& name : middlebury_names()) {
@@ -52,14 +52,14 @@ TEST_F(Accuracy, DenseSparsePattern) {
   const double average = average_bad_percent(CensusPattern::kSparse);
   RecordProperty("average_bad_percent", std::to_string(average));
   EXPECT_LE(average, 14.8);
-  EXPECT_GT(average, 5.0) << "too good to be local matching: is the evaluation right?";
+  EXPECT_GT(average, 5.0) << "too good for local matching: is the evaluation wrong?";
 }
 
 TEST_F(Accuracy, DenseFullPattern) {
   const double average = average_bad_percent(CensusPattern::kFull);
   RecordProperty("average_bad_percent", std::to_string(average));
   EXPECT_LE(average, 15.2);
-  EXPECT_GT(average, 5.0) << "too good to be local matching: is the evaluation right?";
+  EXPECT_GT(average, 5.0) << "too good for local matching: is the evaluation wrong?";
 }
 
 }  // namespace

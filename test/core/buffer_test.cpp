@@ -1,4 +1,4 @@
-// The line buffer of the board: what line_buffer_need() says, and a simulation of the buffer.
+// The line buffer of the board: compares line_buffer_need() with a simulation of the buffer.
 #include <gtest/gtest.h>
 
 #include "fpga_stereo/core/calibration.hpp"
@@ -8,8 +8,9 @@
 namespace fpga_stereo::test {
 namespace {
 
-/// One raw pixel enters and one rectified pixel leaves per clock, `read_start` clocks later.
-/// Frames follow each other without a gap. True where every tap is read before it is overwritten.
+/// Simulates a buffer into which one raw pixel enters per clock, and from which one rectified pixel
+/// leaves per clock, `read_start` clocks later. Frames follow each other without a gap. Returns
+/// whether every tap is read after it was written and before it is overwritten.
 bool buffer_works(const Mesh& mesh, cv::Size raw, int rows, std::int64_t read_start) {
   const std::int64_t capacity = std::int64_t{rows} * raw.width;
   if (capacity <= 0) return false;
@@ -42,7 +43,7 @@ void expect_need(const Mesh& mesh, int above, int below, std::int64_t start, int
   EXPECT_EQ(need.rows, rows);
 }
 
-/// Enough, and not a row or a pixel less.
+/// Expects that the buffer works, and fails with one row or one clock less.
 void expect_exact(const Mesh& mesh, cv::Size raw) {
   const LineBufferNeed need = line_buffer_need(mesh, raw);
   EXPECT_TRUE(buffer_works(mesh, raw, need.rows, need.read_start));
@@ -50,49 +51,49 @@ void expect_exact(const Mesh& mesh, cv::Size raw) {
   EXPECT_FALSE(buffer_works(mesh, raw, need.rows, need.read_start - 1));
 }
 
-/// A mesh that moves every pixel by whole pixels.
-Mesh moved(cv::Size size, int x, int y) {
+/// Returns a mesh that moves every pixel by (x, y) px.
+Mesh shifted(cv::Size size, int x, int y) {
   Mesh mesh = Mesh::shift(size, 0);
   mesh.nodes = cv::Vec2s(cv::saturate_cast<short>(128 * x), cv::saturate_cast<short>(128 * y));
   return mesh;
 }
 
-// The 2 x 2 taps are read also where the weight of the second row and column is 0: row 0 waits
-// for the second pixel of row 1.
+// All 2 x 2 taps are read, even if the second row and column have weight 0, so row 0 waits for the
+// second pixel of row 1.
 TEST(LineBufferNeed, IdentityByHand) {
-  expect_need(moved({16, 16}, 0, 0), 0, 1, 16 + 1 + 1, 2);
-  expect_need(moved({16, 1}, 0, 0), 0, 0, 2, 1);
-  expect_need(moved({1, 16}, 0, 0), 0, 1, 2, 2);
-  expect_need(moved({1, 1}, 0, 0), 0, 0, 1, 1);
+  expect_need(shifted({16, 16}, 0, 0), 0, 1, 16 + 1 + 1, 2);
+  expect_need(shifted({16, 1}, 0, 0), 0, 0, 2, 1);
+  expect_need(shifted({1, 16}, 0, 0), 0, 1, 2, 2);
+  expect_need(shifted({1, 1}, 0, 0), 0, 0, 1, 1);
   for (const cv::Size size : {cv::Size(16, 16), {16, 1}, {1, 16}, {1, 1}, {9, 5}}) {
-    expect_exact(moved(size, 0, 0), size);
+    expect_exact(shifted(size, 0, 0), size);
   }
 }
 
 TEST(LineBufferNeed, ShiftAlongTheRowByHand) {
-  expect_need(moved({16, 16}, 3, 0), 0, 1, 16 + 4 + 1, 2);
-  expect_need(moved({16, 16}, -3, 0), 0, 1, 16 - 2 + 1, 2);
-  expect_need(moved({16, 16}, -16, 0), 0, 1, 16 - 15 + 1, 2);
+  expect_need(shifted({16, 16}, 3, 0), 0, 1, 16 + 4 + 1, 2);
+  expect_need(shifted({16, 16}, -3, 0), 0, 1, 16 - 2 + 1, 2);
+  expect_need(shifted({16, 16}, -16, 0), 0, 1, 16 - 15 + 1, 2);
   for (const int shift : {-16, -15, -3, 3, 14}) {
-    const LineBufferNeed need = line_buffer_need(moved({16, 16}, shift, 0), {16, 16});
-    EXPECT_TRUE(buffer_works(moved({16, 16}, shift, 0), {16, 16}, need.rows, need.read_start));
+    const LineBufferNeed need = line_buffer_need(shifted({16, 16}, shift, 0), {16, 16});
+    EXPECT_TRUE(buffer_works(shifted({16, 16}, shift, 0), {16, 16}, need.rows, need.read_start));
   }
 }
 
 TEST(LineBufferNeed, ShiftDownTheColumnByHand) {
-  const LineBufferNeed below = line_buffer_need(moved({16, 16}, 0, 5), {16, 16});
+  const LineBufferNeed below = line_buffer_need(shifted({16, 16}, 0, 5), {16, 16});
   EXPECT_EQ(below.rows_above, 0);
   EXPECT_EQ(below.rows_below, 6);
   EXPECT_EQ(below.read_start, 6 * 16 + 1 + 1);
-  EXPECT_TRUE(buffer_works(moved({16, 16}, 0, 5), {16, 16}, below.rows, below.read_start));
-  const LineBufferNeed above = line_buffer_need(moved({16, 16}, 0, -5), {16, 16});
+  EXPECT_TRUE(buffer_works(shifted({16, 16}, 0, 5), {16, 16}, below.rows, below.read_start));
+  const LineBufferNeed above = line_buffer_need(shifted({16, 16}, 0, -5), {16, 16});
   EXPECT_EQ(above.rows_above, 5);
   EXPECT_EQ(above.rows_below, 0);
   EXPECT_GE(above.rows, 5);
-  EXPECT_TRUE(buffer_works(moved({16, 16}, 0, -5), {16, 16}, above.rows, above.read_start));
+  EXPECT_TRUE(buffer_works(shifted({16, 16}, 0, -5), {16, 16}, above.rows, above.read_start));
 }
 
-// Up to 4 rows above at the left and 4 below at the right.
+// The map looks up to 4 rows up at the left and 4 rows down at the right.
 TEST(LineBufferNeed, TiltIsExact) {
   Mesh mesh = Mesh::shift({40, 33}, 0);
   for (int j = 0; j < mesh.nodes.rows; ++j) {
@@ -106,19 +107,18 @@ TEST(LineBufferNeed, TiltIsExact) {
   expect_exact(mesh, mesh.size);
 }
 
-// A map that looks only down or only up needs no rows of the other side.
+// A map that looks only down or only up needs no rows on the other side.
 TEST(LineBufferNeed, OneSidedMapsAreExact) {
   const cv::Size size{24, 40};
-  EXPECT_EQ(line_buffer_need(moved(size, 0, 10), size).rows, 2);
-  EXPECT_EQ(line_buffer_need(moved(size, 0, -10), size).read_start, 0);
+  EXPECT_EQ(line_buffer_need(shifted(size, 0, 10), size).rows, 2);
+  EXPECT_EQ(line_buffer_need(shifted(size, 0, -10), size).read_start, 0);
   for (const int shift : {3, 10, 20}) {
-    const Mesh mesh = moved(size, 0, shift);
+    const Mesh mesh = shifted(size, 0, shift);
     expect_exact(mesh, size);
   }
-  EXPECT_EQ(line_buffer_need(moved(size, 200, 0), size).rows, 0) << "nothing is seen";
+  EXPECT_EQ(line_buffer_need(shifted(size, 200, 0), size).rows, 0) << "no raw pixel is read";
 }
 
-// As soon as rows above and below are read.
 TEST(LineBufferNeed, RandomMeshesAreExact) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -130,15 +130,15 @@ TEST(LineBufferNeed, RandomMeshesAreExact) {
   }
 }
 
-TEST(LineBufferNeed, NothingOfTheRawImageIsSeen) {
-  const Mesh mesh = moved({16, 16}, 100, 0);
+TEST(LineBufferNeed, IsEmptyIfNoRawPixelIsRead) {
+  const Mesh mesh = shifted({16, 16}, 100, 0);
   const LineBufferNeed need = line_buffer_need(mesh, {16, 16});
   EXPECT_EQ(need.rows_above, 0);
   EXPECT_EQ(need.rows_below, 0);
   EXPECT_LE(need.rows, 1);
 }
 
-TEST(CheckBuffer, RefusalNamesBothNumbers) {
+TEST(CheckLineBuffer, RefusalNamesBothNumbers) {
   LineBufferNeed need;
   need.rows = 104;
   need.rows_above = 52;
@@ -155,7 +155,7 @@ TEST(CheckBuffer, RefusalNamesBothNumbers) {
 
 using BufferData = DataTest;
 
-// Sources from 51.4 rows above to 49.3 below the output row, over both cameras.
+// Over both cameras, sources lie from 51.4 rows above to 49.3 rows below the output row.
 TEST_F(BufferData, EurocRows) {
   const CalibrationPair pair = euroc_calibration();
   const auto made = make_stereo_rectification(pair.left, pair.right, 0);

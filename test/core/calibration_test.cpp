@@ -11,8 +11,8 @@
 namespace fpga_stereo::test {
 namespace {
 
-/// A pair that is rectified already: the smallest calibration that is allowed.
-CameraCalibration ideal(double p3) {
+/// Returns the simplest calibration that is allowed: a camera of a pair that is already rectified.
+CameraCalibration ideal_camera(double p3) {
   CameraCalibration c;
   c.width = 160;
   c.height = 120;
@@ -23,15 +23,15 @@ CameraCalibration ideal(double p3) {
   return c;
 }
 
-const CameraCalibration kLeft = ideal(0);
-const CameraCalibration kRight = ideal(-25);
+const CameraCalibration kLeft = ideal_camera(0);
+const CameraCalibration kRight = ideal_camera(-25);
 
-/// The pair is refused with this kind and a message that has all of `words`.
+/// Expects that the pair is refused with this kind and a message that contains all of `words`.
 void expect_refused(const CameraCalibration& left, const CameraCalibration& right,
                     const std::vector<std::string>& words,
                     ErrorKind kind = ErrorKind::kCalibration) {
   const auto made = make_stereo_rectification(left, right, 0);
-  ASSERT_FALSE(made) << "not refused: " << words.front();
+  ASSERT_FALSE(made) << "accepted: " << words.front();
   EXPECT_EQ(made.error().kind, kind) << made.error().message;
   for (const std::string& word : words) {
     EXPECT_NE(made.error().message.find(word), std::string::npos)
@@ -41,7 +41,7 @@ void expect_refused(const CameraCalibration& left, const CameraCalibration& righ
 
 using Change = std::function<void(CameraCalibration&)>;
 
-/// The same change is refused in either camera, by its name.
+/// Expects that the change is refused in either camera, and that the message names the camera.
 void expect_refused(const Change& change, const std::vector<std::string>& words,
                     ErrorKind kind = ErrorKind::kCalibration) {
   for (const std::string camera : {"left", "right"}) {
@@ -60,9 +60,9 @@ void expect_refused(const Change& change, const std::vector<std::string>& words,
 TEST(Calibration, IdealPairMovesNothing) {
   const auto made = make_stereo_rectification(kLeft, kRight, 0);
   ASSERT_TRUE(made) << made.error().message;
-  const Mesh none = Mesh::shift({160, 120}, 0);
-  EXPECT_TRUE(same("left", none.nodes, made->left.mesh.nodes));
-  EXPECT_TRUE(same("right", none.nodes, made->right.mesh.nodes));
+  const Mesh identity = Mesh::shift({160, 120}, 0);
+  EXPECT_TRUE(same("left", identity.nodes, made->left.mesh.nodes));
+  EXPECT_TRUE(same("right", identity.nodes, made->right.mesh.nodes));
   EXPECT_EQ(made->left.mesh.size, cv::Size(160, 120));
   EXPECT_LT(made->left.deviation.max, 1e-9);
 }
@@ -82,7 +82,7 @@ TEST(Calibration, Geometry) {
   EXPECT_EQ(made->min_disparity, 5);
 }
 
-TEST(Calibration, GeometryOfBinnedParts) {
+TEST(Calibration, GeometryWithBinningAndRegionOfInterest) {
   CameraCalibration left = kLeft;
   CameraCalibration right = kRight;
   for (CameraCalibration* c : {&left, &right}) {
@@ -96,7 +96,8 @@ TEST(Calibration, GeometryOfBinnedParts) {
   EXPECT_EQ(made->geometry.fx, 125);
   EXPECT_EQ(made->geometry.cx, 30);
   EXPECT_EQ(made->geometry.cy, 25);
-  EXPECT_DOUBLE_EQ(made->geometry.baseline, 0.1) << "metres do not change";
+  EXPECT_DOUBLE_EQ(made->geometry.baseline, 0.1)
+      << "the baseline does not depend on the image size";
 }
 
 TEST(Calibration, MinimumDisparityShiftsTheRightMesh) {
@@ -107,12 +108,12 @@ TEST(Calibration, MinimumDisparityShiftsTheRightMesh) {
     EXPECT_TRUE(same("left", Mesh::shift(size, 0).nodes, made->left.mesh.nodes));
     EXPECT_TRUE(same("right", Mesh::shift(size, -minimum).nodes, made->right.mesh.nodes));
     EXPECT_TRUE(same("unshifted", Mesh::shift(size, 0).nodes, made->right_unshifted.nodes));
-    const StereoRectification none = identity_rectification(made->geometry, minimum);
-    EXPECT_TRUE(same("right", none.right.mesh.nodes, made->right.mesh.nodes));
-    EXPECT_TRUE(same("left", none.left.mesh.nodes, made->left.mesh.nodes));
-    EXPECT_TRUE(same("unshifted", none.right_unshifted.nodes, made->right_unshifted.nodes));
-    EXPECT_EQ(none.min_disparity, minimum);
-    EXPECT_EQ(none.geometry.baseline, made->geometry.baseline);
+    const StereoRectification identity = identity_rectification(made->geometry, minimum);
+    EXPECT_TRUE(same("right", identity.right.mesh.nodes, made->right.mesh.nodes));
+    EXPECT_TRUE(same("left", identity.left.mesh.nodes, made->left.mesh.nodes));
+    EXPECT_TRUE(same("unshifted", identity.right_unshifted.nodes, made->right_unshifted.nodes));
+    EXPECT_EQ(identity.min_disparity, minimum);
+    EXPECT_EQ(identity.geometry.baseline, made->geometry.baseline);
   }
 }
 
@@ -121,7 +122,7 @@ TEST(CalibrationRefusal, EmptyCameraInfoIsUncalibrated) {
                  ErrorKind::kUncalibrated);
 }
 
-TEST(CalibrationRefusal, ImageLargerThanThePipelineTakes) {
+TEST(CalibrationRefusal, ImageLargerThanThePipelineAllows) {
   expect_refused(
       [](CameraCalibration& c) {
         c.width = 1'000'000;
@@ -130,15 +131,15 @@ TEST(CalibrationRefusal, ImageLargerThanThePipelineTakes) {
       {"1000000x1000000", "1920x1200"}, ErrorKind::kImageSize);
 }
 
-TEST(CalibrationRefusal, RegionAndBinningOutOfTheRangeOfInt) {
+TEST(CalibrationRefusal, RegionOfInterestAndBinningAtTheLimitsOfInt) {
   expect_refused([](CameraCalibration& c) { c.roi = {-5, 0, 20, 20}; }, {"roi"});
   expect_refused([](CameraCalibration& c) { c.roi = {10, 10, 0x7FFFFFFF, 20}; }, {"roi"});
   expect_refused([](CameraCalibration& c) { c.binning_x = -1; }, {"binning -1"});
 }
 
-TEST(CalibrationRefusal, MirrorIsNoRotation) {
+TEST(CalibrationRefusal, RefusesReflections) {
   expect_refused([](CameraCalibration& c) { c.R = {1, 0, 0, 0, -1, 0, 0, 0, 1}; },
-                 {"R is no rotation", "determinant -1"});
+                 {"R is not a rotation", "determinant -1"});
 }
 
 TEST(CalibrationRefusal, ThirdRowOfProjection) {
@@ -194,7 +195,7 @@ TEST(CalibrationRefusal, Distortion) {
   expect_refused(set("rational_polynomial", 14), {"camera_info D", "14", "8"});
 }
 
-TEST(CalibrationRefusal, DistortionOfNothingNeedsNoModel) {
+TEST(CalibrationRefusal, ZeroDistortionNeedsNoModel) {
   CameraCalibration left = kLeft;
   left.distortion_model = "";
   for (const std::size_t length : {0, 4, 5}) {
@@ -203,7 +204,7 @@ TEST(CalibrationRefusal, DistortionOfNothingNeedsNoModel) {
   }
 }
 
-TEST(CalibrationRefusal, NoRotation) {
+TEST(CalibrationRefusal, MatrixThatIsNotARotation) {
   expect_refused([](CameraCalibration& c) { c.R = {}; }, {"camera_info R", "rotation"});
   expect_refused([](CameraCalibration& c) { c.R[0] = 1.1; }, {"camera_info R", "rotation"});
   expect_refused([](CameraCalibration& c) { c.R[1] = 0.1; }, {"camera_info R", "rotation"});
@@ -223,7 +224,7 @@ TEST(CalibrationRefusal, SizeAndRegionOfInterest) {
   expect_refused([](CameraCalibration& c) { c.binning_x = 161; }, {"binning", "161"});
 }
 
-TEST(CalibrationRefusal, PairsThatDoNotFit) {
+TEST(CalibrationRefusal, CamerasThatDoNotMatch) {
   const auto changed = [](std::size_t i, double difference) {
     CameraCalibration right = kRight;
     right.P[i] += difference;
@@ -232,7 +233,8 @@ TEST(CalibrationRefusal, PairsThatDoNotFit) {
   expect_refused(kLeft, changed(0, 0.5), {"fx", "P", "250", "250.5"});
   expect_refused(kLeft, changed(5, 0.5), {"fy", "P", "250", "250.5"});
   expect_refused(kLeft, changed(6, 0.25), {"cy", "P", "60", "60.25"});
-  EXPECT_TRUE(make_stereo_rectification(kLeft, changed(6, 1e-4), 0)) << "rounding of a file";
+  EXPECT_TRUE(make_stereo_rectification(kLeft, changed(6, 1e-4), 0))
+      << "a difference from rounding in a file is allowed";
 
   CameraCalibration narrow = kRight;
   narrow.width = 150;
@@ -243,8 +245,8 @@ TEST(CalibrationRefusal, PairsThatDoNotFit) {
 }
 
 TEST(CalibrationRefusal, Baseline) {
-  expect_refused(kLeft, ideal(0), {"right camera_info P[3] = 0", "negative"});
-  expect_refused(kLeft, ideal(25), {"right camera_info P[3] = 25", "swapped"});
+  expect_refused(kLeft, ideal_camera(0), {"right camera_info P[3] = 0", "negative"});
+  expect_refused(kLeft, ideal_camera(25), {"right camera_info P[3] = 25", "swapped"});
 }
 
 using CalibrationData = DataTest;

@@ -9,7 +9,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-Parameters window(int size, CensusPattern pattern) {
+Parameters census_parameters(int size, CensusPattern pattern) {
   Parameters p;
   p.census_window_size = size;
   p.census_pattern = pattern;
@@ -31,48 +31,53 @@ TEST(Census, NumberOfBits) {
   const int sparse[] = {8, 8, 24, 24};
   for (int i = 0; i < 4; ++i) {
     const int size = 5 + 2 * i;
-    EXPECT_EQ(census_neighbours(window(size, CensusPattern::kFull)).size(), full[i]) << size;
-    EXPECT_EQ(census_neighbours(window(size, CensusPattern::kSparse)).size(), sparse[i]) << size;
+    EXPECT_EQ(census_neighbours(census_parameters(size, CensusPattern::kFull)).size(), full[i])
+        << size;
+    EXPECT_EQ(census_neighbours(census_parameters(size, CensusPattern::kSparse)).size(), sparse[i])
+        << size;
     const cv::Mat1b image(3, 4, std::uint8_t{0});
-    EXPECT_EQ(census_of(image, window(size, CensusPattern::kFull)).channels(), (full[i] + 31) / 32);
-    EXPECT_EQ(census_of(image, window(size, CensusPattern::kSparse)).type(), CV_32SC1);
+    EXPECT_EQ(census_of(image, census_parameters(size, CensusPattern::kFull)).channels(),
+              (full[i] + 31) / 32);
+    EXPECT_EQ(census_of(image, census_parameters(size, CensusPattern::kSparse)).type(), CV_32SC1);
   }
 }
 
 TEST(Census, NeighboursInRasterOrderWithoutTheCentre) {
   const std::vector<cv::Point> expected{{-2, -2}, {0, -2}, {2, -2}, {-2, 0},
                                         {2, 0},   {-2, 2}, {0, 2},  {2, 2}};
-  EXPECT_EQ(census_neighbours(window(5, CensusPattern::kSparse)), expected);
-  EXPECT_EQ(census_neighbours(window(7, CensusPattern::kSparse)), expected);
-  const auto full = census_neighbours(window(11, CensusPattern::kFull));
+  EXPECT_EQ(census_neighbours(census_parameters(5, CensusPattern::kSparse)), expected);
+  EXPECT_EQ(census_neighbours(census_parameters(7, CensusPattern::kSparse)), expected);
+  const auto full = census_neighbours(census_parameters(11, CensusPattern::kFull));
   EXPECT_EQ(full.front(), cv::Point(-5, -5));
   EXPECT_EQ(full[59], cv::Point(-1, 0));
   EXPECT_EQ(full[60], cv::Point(1, 0));
   EXPECT_EQ(full.back(), cv::Point(5, 5));
 }
 
-// On a ramp that rises to the right, exactly the neighbours on the left are darker.
+// On a ramp that rises to the right, the neighbours on the left and no others are darker.
 TEST(Census, RampByHand) {
   const cv::Mat1b image = ramp({9, 9}, 1, 0);
   // Full 5 x 5: rows 11000 11000 11.00 11000 11000, bit 0 first.
   const std::uint32_t full = 3U << 0 | 3U << 5 | 3U << 10 | 3U << 14 | 3U << 19;
-  EXPECT_EQ(word(census_of(image, window(5, CensusPattern::kFull)), 4, 4), full);
+  EXPECT_EQ(word(census_of(image, census_parameters(5, CensusPattern::kFull)), 4, 4), full);
   // Sparse 5 x 5: rows 100 1.0 100.
-  EXPECT_EQ(word(census_of(image, window(5, CensusPattern::kSparse)), 4, 4), 1U | 8U | 32U);
+  EXPECT_EQ(word(census_of(image, census_parameters(5, CensusPattern::kSparse)), 4, 4),
+            1U | 8U | 32U);
 }
 
 TEST(Census, RampOfTheWholeWindowByHand) {
-  const cv::Mat bits = census_of(ramp({11, 11}, 0, 1), window(11, CensusPattern::kFull));
-  // Rising downwards: the 55 neighbours above and none beside or below.
+  const cv::Mat bits = census_of(ramp({11, 11}, 0, 1), census_parameters(11, CensusPattern::kFull));
+  // The ramp rises downwards, so only the 55 neighbours above are darker.
   EXPECT_EQ(word(bits, 5, 5, 0), 0xFFFFFFFFU);
   EXPECT_EQ(word(bits, 5, 5, 1), 0x007FFFFFU);
   EXPECT_EQ(word(bits, 5, 5, 2), 0U);
   EXPECT_EQ(word(bits, 5, 5, 3), 0U);
 }
 
-TEST(Census, EqualIsNotLess) {
+TEST(Census, EqualNeighboursGiveZero) {
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-    const cv::Mat bits = census_of(cv::Mat1b(13, 15, std::uint8_t{77}), window(11, pattern));
+    const cv::Mat bits =
+        census_of(cv::Mat1b(13, 15, std::uint8_t{77}), census_parameters(11, pattern));
     EXPECT_EQ(cv::countNonZero(bits.reshape(1)), 0);
   }
 }
@@ -80,15 +85,15 @@ TEST(Census, EqualIsNotLess) {
 TEST(Census, OutsideTheImageIsBitZero) {
   cv::Mat1b image(9, 9, std::uint8_t{0});
   image(0, 0) = 255;
-  // Only the neighbours right of and below the corner exist: bits 4, 6 and 7.
-  const cv::Mat bits = census_of(image, window(5, CensusPattern::kSparse));
+  // Only the neighbours to the right of the corner and below it exist: bits 4, 6 and 7.
+  const cv::Mat bits = census_of(image, census_parameters(5, CensusPattern::kSparse));
   EXPECT_EQ(word(bits, 0, 0), 16U | 64U | 128U);
   EXPECT_EQ(word(bits, 8, 8), 0U);
 }
 
-TEST(Census, OnlyTheOrderOfValuesMatters) {
+TEST(Census, DependsOnTheOrderOfValuesOnly) {
   const cv::Mat1b image = random_image({21, 17}, 3) / 2;
-  const Parameters p = window(11, CensusPattern::kFull);
+  const Parameters p = census_parameters(11, CensusPattern::kFull);
   EXPECT_TRUE(
       same("census", census_of(image, p), census_of(cv::Mat1b(image + 100), p), {p, 3, ""}));
 }
@@ -98,7 +103,7 @@ TEST(Census, EqualsTheNaiveModel) {
   for (const cv::Size size : {cv::Size(1, 1), {1, 13}, {13, 1}, {3, 2}, {7, 9}, {33, 19}}) {
     for (const int side : {5, 7, 9, 11}) {
       for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-        const Parameters p = window(side, pattern);
+        const Parameters p = census_parameters(side, pattern);
         for (const NamedImage& input : extreme_images(size, ++seed)) {
           const cv::Mat expected = naive::census(input.image, p);
           const Case c{p, seed, input.name};
@@ -113,20 +118,20 @@ TEST(Census, EqualsTheNaiveModel) {
 
 TEST(Census, WritesTheGivenRowsOnly) {
   const cv::Mat1b image = random_image({19, 12}, 5);
-  const Parameters p = window(9, CensusPattern::kFull);
+  const Parameters p = census_parameters(9, CensusPattern::kFull);
   const cv::Mat all = census_of(image, p);
   cv::Mat bits(all.size(), all.type(), cv::Scalar::all(-7));
   cv::Mat expected = bits.clone();
   all.rowRange(4, 9).copyTo(expected.rowRange(4, 9));
   const auto* data = bits.data;
   census(image, p, {4, 9}, bits);
-  EXPECT_EQ(bits.data, data) << "an output of the right size is kept";
+  EXPECT_EQ(bits.data, data) << "the memory of an output of the right size is reused";
   EXPECT_TRUE(same("census", expected, bits, {p, 5, "rows 4 .. 8"}));
 }
 
 TEST(Census, WritesIntoAnOutputWithPitchAboveWidth) {
   const cv::Mat1b image = random_image({19, 12}, 6);
-  const Parameters p = window(11, CensusPattern::kFull);
+  const Parameters p = census_parameters(11, CensusPattern::kFull);
   const cv::Mat expected = naive::census(image, p);
   cv::Mat bits = padded(cv::Mat(expected.size(), expected.type(), cv::Scalar::all(0)), 6);
   census(image, p, cv::Range::all(), bits);

@@ -8,7 +8,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-/// A row whose pixels all have disparity 5, seen from both sides, and no rival.
+/// Returns a row in which left and right pixels have disparity 5 and no runner-up comes close.
 Selection agreeing_row() {
   Selection s;
   create(s, {20, 1});
@@ -36,7 +36,7 @@ cv::Mat1b check_of(const Selection& s, const Parameters& p) {
   return kept;
 }
 
-bool unique(double ratio, int winner_sum, int runner_up_sum) {
+bool is_unique(double ratio, int winner_sum, int runner_up_sum) {
   Selection s = agreeing_row();
   s.winner_sum = winner_sum;
   s.runner_up_sum = runner_up_sum;
@@ -45,57 +45,57 @@ bool unique(double ratio, int winner_sum, int runner_up_sum) {
   return check_of(s, p)(0, 10) == 1;
 }
 
-TEST(Check, KeepsWhatAgrees) {
+TEST(Check, KeepsPixelsThatAgree) {
   const cv::Mat1b kept = check_of(agreeing_row(), Parameters());
-  // The partner of the first five pixels is left of the right image.
+  // The partners of the first five pixels lie left of the right image.
   EXPECT_EQ(cv::countNonZero(kept.colRange(0, 5)), 0);
   EXPECT_EQ(cv::countNonZero(kept.colRange(5, 20) == 1), 15);
 }
 
-TEST(Check, LargestDifference) {
-  for (const int largest : {0, 1, 2, 128}) {
+TEST(Check, MaximumDifference) {
+  for (const int max_difference : {0, 1, 2, 128}) {
     for (int difference = -4; difference <= 4; ++difference) {
       Selection s = agreeing_row();
       s.right_winner(0, 10 - 5) = static_cast<std::uint8_t>(5 + difference);
       Parameters p;
-      p.disp12MaxDiff = largest;
-      EXPECT_EQ(check_of(s, p)(0, 10), std::abs(difference) <= largest ? 1 : 0)
-          << largest << " " << difference;
+      p.disp12MaxDiff = max_difference;
+      EXPECT_EQ(check_of(s, p)(0, 10), std::abs(difference) <= max_difference ? 1 : 0)
+          << max_difference << " " << difference;
     }
   }
 }
 
-// N = 256 (1 + 33 / 100) = 340.48, rounded 340: v2 must be above 340 / 256 v1.
-TEST(Check, BothSidesOfUniqueness) {
-  EXPECT_FALSE(unique(33, 256, 339));
-  EXPECT_FALSE(unique(33, 256, 340));
-  EXPECT_TRUE(unique(33, 256, 341));
-  // Any v1: just at most and just above.
+// N = 256 (1 + 33 / 100) = 340.48, rounded to 340, so v2 must be greater than 340 / 256 v1.
+TEST(Check, UniquenessAtItsThreshold) {
+  EXPECT_FALSE(is_unique(33, 256, 339));
+  EXPECT_FALSE(is_unique(33, 256, 340));
+  EXPECT_TRUE(is_unique(33, 256, 341));
+  // For any v1: the largest v2 that fails and the smallest that passes.
   for (const int v1 : {1, 64, 1000, 5400, 27000, 49000}) {
     const int limit = 340 * v1 / 256;
-    EXPECT_FALSE(unique(33, v1, limit)) << v1;
-    EXPECT_TRUE(unique(33, v1, limit + 1)) << v1;
+    EXPECT_FALSE(is_unique(33, v1, limit)) << v1;
+    EXPECT_TRUE(is_unique(33, v1, limit + 1)) << v1;
   }
-  EXPECT_FALSE(unique(33, 0, 0));
-  EXPECT_TRUE(unique(33, 0, 1));
+  EXPECT_FALSE(is_unique(33, 0, 0));
+  EXPECT_TRUE(is_unique(33, 0, 1));
 }
 
-TEST(Check, UniquenessRatiosAtTheirLimits) {
-  EXPECT_FALSE(unique(0, 1000, 1000));
-  EXPECT_TRUE(unique(0, 1000, 1001));
-  EXPECT_FALSE(unique(100, 26460, 52920));
-  EXPECT_TRUE(unique(100, 26459, 52920));
-  EXPECT_FALSE(unique(100, 52920, 52920)) << "no overflow";
+TEST(Check, UniquenessRatioAtItsLimits) {
+  EXPECT_FALSE(is_unique(0, 1000, 1000));
+  EXPECT_TRUE(is_unique(0, 1000, 1001));
+  EXPECT_FALSE(is_unique(100, 26460, 52920));
+  EXPECT_TRUE(is_unique(100, 26459, 52920));
+  EXPECT_FALSE(is_unique(100, 52920, 52920)) << "no overflow";
 }
 
 TEST(Check, RatioIsRoundedToTheNearest256th) {
-  EXPECT_TRUE(unique(0.19, 256, 257)) << "256.4864 is 256";
-  EXPECT_FALSE(unique(0.2, 256, 257)) << "256.512 is 257";
-  EXPECT_FALSE(unique(0.1953125, 256, 257)) << "256.5 is 257";
-  EXPECT_TRUE(unique(0.1953125, 256, 258));
+  EXPECT_TRUE(is_unique(0.19, 256, 257)) << "N = 256.4864 is rounded to 256";
+  EXPECT_FALSE(is_unique(0.2, 256, 257)) << "N = 256.512 is rounded to 257";
+  EXPECT_FALSE(is_unique(0.1953125, 256, 257)) << "N = 256.5 is rounded to 257";
+  EXPECT_TRUE(is_unique(0.1953125, 256, 258));
 }
 
-TEST(Check, EachCanBeSwitchedOff) {
+TEST(Check, EachCheckCanBeSwitchedOff) {
   Selection s = agreeing_row();
   s.right_winner(0, 5) = 100;   // pixel 10 disagrees
   s.runner_up_sum(0, 12) = 10;  // pixel 12 is not unique

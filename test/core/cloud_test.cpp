@@ -11,11 +11,11 @@
 namespace fpga_stereo::test {
 namespace {
 
-// fx T = 48, fy = 2 fx.
+// fx baseline = 48 px m, fy = 2 fx.
 const Reprojection kCamera{400, 800, 2, 1, 0.12, 0};
 
-CloudLayout layout(PointColor color, bool is_padded, bool organized, int decimation = 1) {
-  return {color, is_padded, organized, decimation};
+CloudLayout layout(PointColor color, bool is_padded, bool is_organized, int decimation = 1) {
+  return {color, is_padded, is_organized, decimation};
 }
 
 float float_at(const Cloud& cloud, const CloudLayout& l, int point, int offset) {
@@ -24,7 +24,7 @@ float float_at(const Cloud& cloud, const CloudLayout& l, int point, int offset) 
   return value;
 }
 
-/// 4 x 3 pixels of 4 px disparity but for (1, 0), which has none.
+/// Returns 4 x 3 pixels with a disparity of 4 px, except (1, 0), which has none.
 cv::Mat1w small_disparity() {
   cv::Mat1w disparity(3, 4, std::uint16_t{4 * 32});
   disparity(0, 1) = kNoDisparity;
@@ -50,11 +50,11 @@ TEST(Cloud, OrganizedByHand) {
     EXPECT_EQ(cloud.width, 4);
     EXPECT_EQ(cloud.height, 3);
     ASSERT_EQ(cloud.data.size(), 12U * l.point_step());
-    // Pixel (3, 2): X = T (3 - 2) / 4, Y = T fx / fy (2 - 1) / 4, Z = 48 / 4.
+    // Pixel (3, 2), with baseline T: X = T (3 - 2) / 4, Y = T fx / fy (2 - 1) / 4, Z = 48 / 4.
     EXPECT_FLOAT_EQ(float_at(cloud, l, 11, 0), 0.03F);
     EXPECT_FLOAT_EQ(float_at(cloud, l, 11, 4), 0.015F);
     EXPECT_FLOAT_EQ(float_at(cloud, l, 11, 8), 12);
-    // Pixel (0, 0) is left of and above the axis.
+    // Pixel (0, 0) lies to the left of the optical axis and above it.
     EXPECT_FLOAT_EQ(float_at(cloud, l, 0, 0), -0.06F);
     EXPECT_FLOAT_EQ(float_at(cloud, l, 0, 4), -0.015F);
     for (const int offset : {0, 4, 8}) {
@@ -86,7 +86,7 @@ TEST(Cloud, ColorBytesAreBlueGreenRed) {
   const cv::Mat3b color(3, 4, cv::Vec3b(10, 20, 30));
   Cloud cloud;
   to_cloud(small_disparity(), kCamera, color, l, cloud);
-  for (const int point : {0, 1}) {  // with and without a place
+  for (const int point : {0, 1}) {  // with and without a position
     const std::uint8_t* bytes = cloud.data.data() + point * l.point_step() + 12;
     EXPECT_EQ(std::vector<int>(bytes, bytes + 4), (std::vector<int>{10, 20, 30, 0}));
   }
@@ -104,7 +104,7 @@ TEST(Cloud, IntensityOfAColorImage) {
   EXPECT_NEAR(float_at(cloud, l, 0, 16), 255, 1e-3);
 }
 
-TEST(Cloud, PaddingIsZeroAlsoAfterReuse) {
+TEST(Cloud, PaddingIsZeroEvenIfMemoryIsReused) {
   const CloudLayout l = layout(PointColor::kRgb, true, true);
   Cloud cloud;
   cloud.data.assign(5000, 0xAB);
@@ -131,10 +131,10 @@ TEST(Cloud, Decimation) {
   EXPECT_EQ(cloud.height, 2);
   const int expected[] = {0, 3, 6, 30, 33, 36};
   for (int i = 0; i < 6; ++i) EXPECT_EQ(float_at(cloud, l, i, 16), expected[i]);
-  EXPECT_FLOAT_EQ(float_at(cloud, l, 1, 0), 0.03F) << "the place is that of column 3";
+  EXPECT_FLOAT_EQ(float_at(cloud, l, 1, 0), 0.03F) << "the position is that of column 3";
 }
 
-TEST(Cloud, OffsetDecidesWhatIsInFront) {
+TEST(Cloud, OffsetDecidesWhichPointsLieInFrontOfTheCamera) {
   Reprojection r = kCamera;
   r.offset = -4;
   const CloudLayout l = layout(PointColor::kNone, false, false);
@@ -145,7 +145,7 @@ TEST(Cloud, OffsetDecidesWhatIsInFront) {
   EXPECT_FLOAT_EQ(float_at(cloud, l, 0, 8), 24);
 }
 
-/// The formula, a pixel at a time.
+/// Compares every pixel with the formula.
 TEST(Cloud, EveryLayoutAndKindOfImage) {
   const cv::Size size(13, 7);
   cv::RNG rng(5);

@@ -12,7 +12,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-// fx T = 48: depth is 48 / d metres.
+// fx baseline = 48 px m, so the depth is 48 / d metres.
 const Reprojection kCamera{400, 410, 100, 60, 0.12, 0};
 
 cv::Mat1w row(std::initializer_list<std::uint16_t> values) {
@@ -27,7 +27,7 @@ Reprojection with_offset(double offset) {
   return r;
 }
 
-TEST(Reprojection, OffsetOfMinimumAndPrincipalPoints) {
+TEST(Reprojection, OffsetFromMinDisparityAndPrincipalPoints) {
   StereoGeometry g;
   g.fx = 400;
   g.fy = 410;
@@ -55,11 +55,11 @@ TEST(ToFloat, EveryValue) {
       if (static_cast<double>(out(i / 256, i % 256)) != i / 32.0 + offset) ++wrong;
     }
     EXPECT_EQ(wrong, 0) << offset;
-    EXPECT_EQ(out(255, 255), -1000) << "no offset on what is invalid";
+    EXPECT_EQ(out(255, 255), -1000) << "invalid pixels get no offset";
   }
 }
 
-TEST(ToFloat, InvalidAsAsked) {
+TEST(ToFloat, MarksInvalidPixelsWithTheGivenValue) {
   cv::Mat1f out;
   to_float(row({0, 0xFFFF, 0xFFFE}), 0, std::numeric_limits<float>::quiet_NaN(), out);
   EXPECT_EQ(out(0, 0), 0);
@@ -67,7 +67,7 @@ TEST(ToFloat, InvalidAsAsked) {
   EXPECT_EQ(out(0, 2), 2047.9375F);
 }
 
-TEST(ToDepth, NoBaselineIsNoDepth) {
+TEST(ToDepth, HasNoDepthWithoutBaseline) {
   cv::Mat1f metres;
   to_depth(cv::Mat1w(1, 1, std::uint16_t{32}), Reprojection{}, metres);
   EXPECT_TRUE(std::isnan(metres(0, 0)));
@@ -101,7 +101,7 @@ TEST(ToDepth, MillimetresByHand) {
   to_depth(row({32, 16 * 32, 7 * 32, 0, 0xFFFF, 1}), kCamera, out);
   EXPECT_EQ(out(0, 0), 48000);
   EXPECT_EQ(out(0, 1), 3000);
-  EXPECT_EQ(out(0, 2), 6857) << "6857.14";
+  EXPECT_EQ(out(0, 2), 6857) << "6857.14 is rounded";
   EXPECT_EQ(out(0, 3), 0);
   EXPECT_EQ(out(0, 4), 0);
   EXPECT_EQ(out(0, 5), 0) << "1536 m do not fit";
@@ -110,24 +110,24 @@ TEST(ToDepth, MillimetresByHand) {
   EXPECT_EQ(out(0, 1), 48000);
 }
 
-TEST(ToDepth, MillimetresUpToTheLast) {
+TEST(ToDepth, MillimetresUpTo65535) {
   Reprojection r = kCamera;
   r.baseline = 0.0655354 * 1000 / r.fx;  // 65.5354 m at 1 px
   cv::Mat1w out;
   to_depth(row({32}), r, out);
-  EXPECT_EQ(out(0, 0), 65535) << "65535.4";
+  EXPECT_EQ(out(0, 0), 65535) << "65535.4 is rounded to 65535";
   r.baseline = 0.0655356 * 1000 / r.fx;
   to_depth(row({32}), r, out);
-  EXPECT_EQ(out(0, 0), 0) << "65535.6 rounds to 65536";
+  EXPECT_EQ(out(0, 0), 0) << "65535.6 is rounded to 65536, which does not fit";
 }
 
-TEST(ToColor, NoneIsBlackNearIsRedFarIsBlue) {
+TEST(ToColor, InvalidIsBlackNearIsRedFarIsBlue) {
   cv::Mat3b out;
   to_color(row({0xFFFF, 8 * 32, 55 * 32, 0}), 64, out);
   EXPECT_EQ(out(0, 0), cv::Vec3b(0, 0, 0));
-  EXPECT_GT(out(0, 1)[0], out(0, 1)[2]) << "far: blue above red";
-  EXPECT_GT(out(0, 2)[2], out(0, 2)[0]) << "near: red above blue";
-  EXPECT_NE(out(0, 3), cv::Vec3b(0, 0, 0)) << "disparity 0 is a disparity";
+  EXPECT_GT(out(0, 1)[0], out(0, 1)[2]) << "far: more blue than red";
+  EXPECT_GT(out(0, 2)[2], out(0, 2)[0]) << "near: more red than blue";
+  EXPECT_NE(out(0, 3), cv::Vec3b(0, 0, 0)) << "disparity 0 is valid";
 }
 
 TEST(ToColor, SpansTheSearchRange) {

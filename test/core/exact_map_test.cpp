@@ -9,7 +9,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-/// A camera with every field in use.
+/// Returns a camera in which every field has an effect.
 CameraCalibration camera(const std::string& model) {
   CameraCalibration c;
   c.width = 320;
@@ -31,16 +31,16 @@ cv::Mat1d matrix(const std::array<double, N>& values) {
       .clone();
 }
 
-/// Largest distance between two maps over a grid of pixels, px.
-double largest_difference(const ExactMap& a, const ExactMap& b, cv::Size size) {
-  double largest = 0;
+/// Returns the largest distance between two maps over a grid of pixels, in px.
+double max_difference(const ExactMap& a, const ExactMap& b, cv::Size size) {
+  double max = 0;
   for (int y = 0; y < size.height; y += 7) {
     for (int x = 0; x < size.width; x += 7) {
       const double distance = cv::norm(a(x, y) - b(x, y));
-      if (!(distance <= largest)) largest = distance;  // NaN stays
+      if (!(distance <= max)) max = distance;  // keeps NaN
     }
   }
-  return largest;
+  return max;
 }
 
 ExactMap opencv_map(const CameraCalibration& c) {
@@ -56,15 +56,15 @@ ExactMap opencv_map(const CameraCalibration& c) {
 TEST(ExactMap, EqualsOpenCv) {
   for (const std::string model : {"plumb_bob", "rational_polynomial"}) {
     const CameraCalibration c = camera(model);
-    EXPECT_LT(largest_difference(exact_map(c), opencv_map(c), {c.width, c.height}), 1e-4) << model;
+    EXPECT_LT(max_difference(exact_map(c), opencv_map(c), {c.width, c.height}), 1e-4) << model;
     CameraCalibration other = c;
     other.D[2] += 0.001;
-    EXPECT_GT(largest_difference(exact_map(other), opencv_map(c), {c.width, c.height}), 1e-2)
-        << "every coefficient matters";
+    EXPECT_GT(max_difference(exact_map(other), opencv_map(c), {c.width, c.height}), 1e-2)
+        << "a small change of a coefficient must show";
   }
 }
 
-TEST(ExactMap, NothingToDoIsTheIdentity) {
+TEST(ExactMap, IdealCameraGivesTheIdentity) {
   CameraCalibration c = camera("plumb_bob");
   c.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   c.P = {230, 0, 158, 0, 0, 228, 117, 0, 0, 0, 1, 0};
@@ -72,7 +72,7 @@ TEST(ExactMap, NothingToDoIsTheIdentity) {
   for (const std::vector<double>& none :
        {std::vector<double>(), std::vector<double>(5, 0.0), std::vector<double>(4, 0.0)}) {
     c.D = none;
-    EXPECT_LT(largest_difference(exact_map(c), identity, {320, 240}), 1e-9);
+    EXPECT_LT(max_difference(exact_map(c), identity, {320, 240}), 1e-9);
   }
 }
 
@@ -81,10 +81,10 @@ TEST(ExactMap, ShiftMovesTheRectifiedImageToTheRight) {
   const ExactMap map = exact_map(c);
   const ExactMap shifted = exact_map(c, 24);
   const ExactMap moved_back = [=](double x, double y) { return shifted(x + 24, y); };
-  EXPECT_LT(largest_difference(map, moved_back, {320, 240}), 1e-9);
+  EXPECT_LT(max_difference(map, moved_back, {320, 240}), 1e-9);
 }
 
-// image_geometry: subtract the offset of the region of interest, then divide by the binning.
+// image_geometry subtracts the offset of the region of interest and then divides by the binning.
 TEST(ExactMap, BinningAndRegionOfInterest) {
   for (const std::string model : {"plumb_bob", "rational_polynomial"}) {
     CameraCalibration c = camera(model);
@@ -99,19 +99,19 @@ TEST(ExactMap, BinningAndRegionOfInterest) {
     by_hand.K = {230 / 2.0, 0, (158 - 16) / 2.0, 0, 228 / 3.0, (117 - 9) / 3.0, 0, 0, 1};
     by_hand.P = {215 / 2.0, 0, (163 - 16) / 2.0, -21.5 / 2, 0, 217 / 3.0, (121 - 9) / 3.0, 0, 0, 0,
                  1,         0};
-    EXPECT_LT(largest_difference(exact_map(c), exact_map(by_hand), {140, 70}), 1e-9);
-    EXPECT_GT(largest_difference(exact_map(c), exact_map(camera(model)), {140, 70}), 5.0);
+    EXPECT_LT(max_difference(exact_map(c), exact_map(by_hand), {140, 70}), 1e-9);
+    EXPECT_GT(max_difference(exact_map(c), exact_map(camera(model)), {140, 70}), 5.0);
   }
 }
 
-TEST(ExactMap, BinningOfZeroAndOneMeanNone) {
+TEST(ExactMap, BinningOfZeroAndOneAreEqual) {
   const CameraCalibration c = camera("plumb_bob");
   CameraCalibration one = c;
   one.binning_x = one.binning_y = 1;
   one.roi = {0, 0, 320, 240};
   EXPECT_EQ(one.image_size(), cv::Size(320, 240));
   EXPECT_EQ(c.image_size(), cv::Size(320, 240));
-  EXPECT_EQ(largest_difference(exact_map(c), exact_map(one), {320, 240}), 0);
+  EXPECT_EQ(max_difference(exact_map(c), exact_map(one), {320, 240}), 0);
 }
 
 TEST(ExactMap, ImageSizeRoundsDown) {
@@ -122,7 +122,7 @@ TEST(ExactMap, ImageSizeRoundsDown) {
   EXPECT_EQ(c.image_size(), cv::Size(160, 121));
 }
 
-TEST(ExactMap, BehindTheCameraIsNowhere) {
+TEST(ExactMap, HasNoSourceBehindTheCamera) {
   CameraCalibration c = camera("plumb_bob");
   c.R = {1, 0, 0, 0, -1, 0, 0, 0, -1};  // looks backwards
   const cv::Point2d source = exact_map(c)(163, 121);
@@ -153,7 +153,7 @@ using ExactMapData = DataTest;
 TEST_F(ExactMapData, EqualsOpenCvOnRealCalibrations) {
   for (const CalibrationPair& pair : {euroc_calibration(), chessboard_calibration()}) {
     for (const CameraCalibration* c : {&pair.left, &pair.right}) {
-      EXPECT_LT(largest_difference(exact_map(*c), opencv_map(*c), {c->width, c->height}), 5e-4);
+      EXPECT_LT(max_difference(exact_map(*c), opencv_map(*c), {c->width, c->height}), 5e-4);
     }
   }
 }

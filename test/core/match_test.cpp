@@ -8,8 +8,9 @@
 namespace fpga_stereo::test {
 namespace {
 
-Parameters search(int range, int correlation, CensusPattern pattern = CensusPattern::kSparse,
-                  int census_window = 11) {
+Parameters match_parameters(int range, int correlation,
+                            CensusPattern pattern = CensusPattern::kSparse,
+                            int census_window = 11) {
   Parameters p;
   p.disparity_range = range;
   p.correlation_window_size = correlation;
@@ -18,7 +19,7 @@ Parameters search(int range, int correlation, CensusPattern pattern = CensusPatt
   return p;
 }
 
-/// Sums of rows first_row .. last of the image, by the stage.
+/// Returns the sums that the stage computes for `first_row` and all rows below.
 std::vector<cv::Mat1w> sums_of(const cv::Mat& left, const cv::Mat& right, const Parameters& p,
                                int first_row = 0) {
   Match match;
@@ -34,19 +35,20 @@ std::vector<cv::Mat1w> sums_of(const cv::Mat& left, const cv::Mat& right, const 
   for (std::size_t i = 0; i < actual.size(); ++i) {
     cv::Mat1w row;
     expected[first + i].convertTo(row, CV_16U);
-    auto result = same("match (x, y = d) row " + std::to_string(first + i), row, actual[i], c);
+    auto result = same("match (y is d) of row " + std::to_string(first + i), row, actual[i], c);
     if (!result) return result;
   }
   return ::testing::AssertionSuccess();
 }
 
-/// Random bits, none set beyond the number of census bits.
+/// Returns random census bits; unused bits of the words are 0.
 cv::Mat random_bits(cv::Size size, const Parameters& p, unsigned seed) {
   return naive::census(random_image(size, seed), p);
 }
 
 TEST(Match, ThreePixelsByHand) {
-  const Parameters p = search(8, 5, CensusPattern::kSparse, 5);  // 8 bits: chance is 4
+  const Parameters p =
+      match_parameters(8, 5, CensusPattern::kSparse, 5);  // 8 bits: h = 4 outside the image
   const cv::Mat left = (cv::Mat1i(1, 3) << 0b1, 0b11, 0b0);
   const cv::Mat right = (cv::Mat1i(1, 3) << 0b0, 0b1, 0b111);
   const cv::Mat1w sums = sums_of(left, right, p).at(0);
@@ -59,37 +61,37 @@ TEST(Match, ThreePixelsByHand) {
 }
 
 TEST(Match, WindowStopsAtItsRadius) {
-  const Parameters p = search(8, 5, CensusPattern::kSparse, 5);
+  const Parameters p = match_parameters(8, 5, CensusPattern::kSparse, 5);
   cv::Mat1i left(9, 9, 0);
   const cv::Mat1i right(9, 9, 0);
   left(4, 4) = 0b111;
   const auto rows = sums_of(left, right, p);
   for (int y = 0; y < 9; ++y) {
     for (int x = 0; x < 9; ++x) {
-      const bool near = std::abs(x - 4) <= 2 && std::abs(y - 4) <= 2;
-      ASSERT_EQ(rows[y](0, x), near ? 3 : 0) << x << " " << y;
+      const bool is_near = std::abs(x - 4) <= 2 && std::abs(y - 4) <= 2;
+      ASSERT_EQ(rows[y](0, x), is_near ? 3 : 0) << x << " " << y;
     }
   }
 }
 
-TEST(Match, ChanceLeftOfTheRightImage) {
+TEST(Match, HalfTheBitsDifferLeftOfTheRightImage) {
   for (const auto& [pattern, half] :
        {std::pair(CensusPattern::kSparse, 12), {CensusPattern::kFull, 60}}) {
-    const Parameters p = search(16, 5, pattern);
+    const Parameters p = match_parameters(16, 5, pattern);
     const cv::Mat bits = naive::census(cv::Mat1b(9, 12, std::uint8_t{9}), p);
     const cv::Mat1w sums = sums_of(bits, bits, p).at(4);
-    // Row 4 is 5 rows deep; of the columns x - 2 .. x + 2 those with x < d are chance.
+    // The window has 5 rows. Of its columns x - 2 .. x + 2, those left of d have no right pixel.
     EXPECT_EQ(sums(0, 5), 0);
     EXPECT_EQ(sums(4, 5), 5 * half);
     EXPECT_EQ(sums(5, 5), 10 * half);
     EXPECT_EQ(sums(11, 5), 25 * half);
-    EXPECT_EQ(sums(15, 5), 25 * half) << "search beyond the image";
+    EXPECT_EQ(sums(15, 5), 25 * half) << "no right pixel at all";
   }
 }
 
-// The largest sum there is: 21 x 21 pixels whose 120 bits all differ.
+// The largest possible sum: all 120 bits of 21 x 21 pixels differ.
 TEST(Match, LargestSumIsExact) {
-  const Parameters p = search(12, 21, CensusPattern::kFull);
+  const Parameters p = match_parameters(12, 21, CensusPattern::kFull);
   const cv::Size size(47, 25);
   const cv::Mat ones(size, CV_32SC4, cv::Scalar(-1, -1, -1, 0x00FFFFFF));
   const cv::Mat zeros(size, CV_32SC4, cv::Scalar::all(0));
@@ -99,7 +101,7 @@ TEST(Match, LargestSumIsExact) {
   EXPECT_EQ(sums[0](0, 0), 11 * 11 * 120);
   EXPECT_TRUE(same_sums(naive::match(ones, zeros, p), sums, {p, 0, "all bits differ"}));
 
-  const Parameters paper = search(12, 15, CensusPattern::kFull);
+  const Parameters paper = match_parameters(12, 15, CensusPattern::kFull);
   EXPECT_EQ(sums_of(ones, zeros, paper)[12](0, 23), 27000);
 }
 
@@ -107,7 +109,7 @@ TEST(Match, EveryCorrelationWindow) {
   unsigned seed = 200;
   for (int correlation = 5; correlation <= 21; correlation += 2) {
     for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-      const Parameters p = search(8, correlation, pattern);
+      const Parameters p = match_parameters(8, correlation, pattern);
       const cv::Mat left = random_bits({27, 24}, p, ++seed);
       const cv::Mat right = random_bits({27, 24}, p, ++seed);
       ASSERT_TRUE(
@@ -120,7 +122,7 @@ TEST(Match, EveryCensusWindow) {
   unsigned seed = 300;
   for (const int census_window : {5, 7, 9, 11}) {
     for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-      const Parameters p = search(12, 7, pattern, census_window);
+      const Parameters p = match_parameters(12, 7, pattern, census_window);
       const cv::Mat left = random_bits({23, 11}, p, ++seed);
       const cv::Mat right = random_bits({23, 11}, p, ++seed);
       ASSERT_TRUE(
@@ -129,12 +131,12 @@ TEST(Match, EveryCensusWindow) {
   }
 }
 
-TEST(Match, EverySizeAndRangeAlsoBeyondTheImage) {
+TEST(Match, EverySizeAndRangeEvenIfWiderThanTheImage) {
   unsigned seed = 400;
   for (const cv::Size size : {cv::Size(1, 1), {1, 9}, {9, 1}, {3, 4}, {13, 7}, {29, 5}}) {
     for (const int range : {8, 12, 16, 64, 128, 256}) {
       for (const int correlation : {5, 21}) {
-        const Parameters p = search(range, correlation);
+        const Parameters p = match_parameters(range, correlation);
         const cv::Mat left = random_bits(size, p, ++seed);
         const cv::Mat right = random_bits(size, p, ++seed);
         const naive::Sums expected = naive::match(left, right, p);
@@ -150,7 +152,7 @@ TEST(Match, EverySizeAndRangeAlsoBeyondTheImage) {
 TEST(Match, ExtremeImages) {
   const cv::Size size(25, 18);
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-    const Parameters p = search(12, 9, pattern);
+    const Parameters p = match_parameters(12, 9, pattern);
     const auto images = extreme_images(size, 500);
     for (std::size_t i = 0; i < images.size(); ++i) {
       const NamedImage& other = images[(i + 3) % images.size()];
@@ -164,7 +166,7 @@ TEST(Match, ExtremeImages) {
 
 TEST(Match, EveryFirstRowGivesTheSameSums) {
   for (const int correlation : {5, 13, 21}) {
-    const Parameters p = search(8, correlation);
+    const Parameters p = match_parameters(8, correlation);
     const cv::Mat left = random_bits({14, 30}, p, 600);
     const cv::Mat right = random_bits({14, 30}, p, 601);
     const naive::Sums expected = naive::match(left, right, p);
@@ -175,11 +177,13 @@ TEST(Match, EveryFirstRowGivesTheSameSums) {
   }
 }
 
-TEST(Match, NothingIsLeftOfAnEarlierUse) {
+TEST(Match, CanBeStartedAgain) {
   Match match;
   unsigned seed = 700;
-  for (const Parameters& p : {search(16, 21, CensusPattern::kFull), search(8, 5), search(64, 9),
-                              search(64, 9, CensusPattern::kFull), search(12, 15)}) {
+  for (const Parameters& p :
+       {match_parameters(16, 21, CensusPattern::kFull), match_parameters(8, 5),
+        match_parameters(64, 9), match_parameters(64, 9, CensusPattern::kFull),
+        match_parameters(12, 15)}) {
     const cv::Size size(20 + static_cast<int>(++seed % 3), 9);
     const cv::Mat left = random_bits(size, p, seed);
     const cv::Mat right = random_bits(size, p, seed + 50);

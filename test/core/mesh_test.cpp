@@ -11,9 +11,9 @@
 namespace fpga_stereo::test {
 namespace {
 
-Mesh random_mesh(cv::Size size, int largest, unsigned seed) {
+Mesh random_mesh(cv::Size size, int max_units, unsigned seed) {
   Mesh mesh = Mesh::shift(size, 0);
-  cv::RNG(seed).fill(mesh.nodes, cv::RNG::UNIFORM, -largest, largest);
+  cv::RNG(seed).fill(mesh.nodes, cv::RNG::UNIFORM, -max_units, max_units);
   return mesh;
 }
 
@@ -36,7 +36,7 @@ TEST(Mesh, ShiftMovesByWholePixels) {
   }
 }
 
-// One node of 128 units = 1 px: the weight of pixel (x, y) is (8 - x) (8 - y) / 64.
+// One node is displaced by 128 units = 1 px; its weight at (x, y) is (8 - x) (8 - y) / 64.
 TEST(MeshRow, BilinearByHand) {
   Mesh mesh = Mesh::shift({16, 16}, 0);
   mesh.nodes(0, 0) = {128, -128};
@@ -47,7 +47,7 @@ TEST(MeshRow, BilinearByHand) {
   EXPECT_EQ(MeshRow(mesh, 0).source(8), cv::Point(8 * 32, 0));
 }
 
-// 2 units are half of 1/32 px.
+// 2 units are one half of 1/32 px.
 TEST(MeshRow, RoundsHalfUp) {
   Mesh mesh = Mesh::shift({8, 8}, 0);
   const auto source = [&](int units) {
@@ -66,8 +66,8 @@ TEST(MeshRow, RoundsHalfUp) {
 TEST(MeshRow, EqualsTheNaiveModel) {
   unsigned seed = 1300;
   for (const cv::Size size : {cv::Size(1, 1), {1, 20}, {20, 1}, {8, 8}, {9, 17}, {33, 25}}) {
-    for (const int largest : {3, 400, 32768}) {
-      const Mesh mesh = random_mesh(size, largest, ++seed);
+    for (const int max_units : {3, 400, 32768}) {
+      const Mesh mesh = random_mesh(size, max_units, ++seed);
       for (int y = 0; y < size.height; ++y) {
         const MeshRow row(mesh, y);
         for (int x = 0; x < size.width; ++x) {
@@ -95,8 +95,8 @@ TEST(MakeRectification, NodesAreRoundedHalfUp) {
   EXPECT_EQ(node(2), cv::Vec2s(256, -256));
 }
 
-TEST(MakeRectification, RefusesWhatAMeshCannotFollow) {
-  // A wave as fine as the mesh: seen at the nodes as nothing.
+TEST(MakeRectification, RefusesMapsThatAMeshCannotFollow) {
+  // A wave that is zero at every node of the mesh.
   const ExactMap wave = [](double x, double y) {
     return cv::Point2d(x + 3 * std::sin(CV_PI * x / 8), y);
   };
@@ -106,27 +106,28 @@ TEST(MakeRectification, RefusesWhatAMeshCannotFollow) {
   EXPECT_NE(made.error().message.find("right"), std::string::npos) << made.error().message;
 
   const ExactMap far = [](double x, double y) { return cv::Point2d(x, y + 300); };
-  EXPECT_FALSE(make_rectification(far, {64, 640}, {64, 640}, "left")) << "beyond 16 bits";
+  EXPECT_FALSE(make_rectification(far, {64, 640}, {64, 640}, "left"))
+      << "the displacement exceeds 16 bits";
   const ExactMap behind = [](double x, double y) {
     return x < 40 ? cv::Point2d(x, y) : cv::Point2d(std::nan(""), y);
   };
   EXPECT_FALSE(make_rectification(behind, {64, 64}, {64, 64}, "left"));
 }
 
-TEST(MakeRectification, FarOutsideTheRawImageDoesNotMatter) {
+TEST(MakeRectification, IgnoresDeviationOutsideTheRawImage) {
   const ExactMap map = [](double x, double y) {
     return x < 32 ? cv::Point2d(x, y) : cv::Point2d(x + 5000, y);
   };
-  // Columns 24 .. 31 lie between nodes of both kinds and are a pixel off: not allowed.
+  // Columns 24 .. 31 lie between a node that moves and one that does not: off by more than 1 px.
   EXPECT_FALSE(make_rectification(map, {64, 8}, {64, 8}, "left"));
-  // Where they see nothing of the raw image either, the map is fine.
+  // If their sources lie outside the raw image as well, the map is accepted.
   const auto made = make_rectification(map, {64, 8}, {25, 8}, "left");
   ASSERT_TRUE(made);
   EXPECT_EQ(made->mesh.nodes(0, 7), cv::Vec2s(32767, 0)) << "saturated";
   EXPECT_EQ(made->deviation.max, 0);
 }
 
-TEST(Deviation, ByHand) {
+TEST(MeshDeviation, ByHand) {
   const Mesh mesh = Mesh::shift({10, 10}, 0);
   const ExactMap map = [](double x, double y) {
     return x == 3 && y == 4 ? cv::Point2d(x + 0.3, y - 0.4) : cv::Point2d(x, y);
@@ -137,7 +138,7 @@ TEST(Deviation, ByHand) {
   EXPECT_EQ(d.max_at, cv::Point(3, 4));
 }
 
-TEST(Deviation, CountsTheRawImageOnly) {
+TEST(MeshDeviation, IgnoresSourcesOutsideTheRawImage) {
   const Mesh mesh = Mesh::shift({10, 10}, 0);
   const ExactMap map = [](double x, double y) { return cv::Point2d(x > 5 ? x + 20 : x + 0.25, y); };
   const MeshDeviation d = mesh_deviation(mesh, map, {10, 10});
@@ -154,7 +155,7 @@ TEST_F(MeshData, DeviationOfRealCalibrations) {
     for (const CameraRectification* camera : {&made->left, &made->right}) {
       EXPECT_LE(camera->deviation.max, 1.0 / 16);
       EXPECT_LE(camera->deviation.rms, 1.0 / 32);
-      EXPECT_GT(camera->deviation.rms, 1e-3) << "rounding alone gives 0.01";
+      EXPECT_GT(camera->deviation.rms, 1e-3) << "rounding alone causes 0.01";
     }
   }
 }

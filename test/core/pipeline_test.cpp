@@ -1,4 +1,4 @@
-// The pipeline on every target of this machine against the reference.
+// Compares the pipeline with the reference on every target of this machine.
 #include "fpga_stereo/core/pipeline.hpp"
 
 #include <gtest/gtest.h>
@@ -27,11 +27,11 @@ class Pipelines : public ::testing::TestWithParam<std::string> {
     if (result) result = same("disparity", expected.disparity, actual.disparity, c);
     return result;
   }
-  int valid_ = 0;  // disparities that were compared
+  int valid_ = 0;  // disparities compared so far
 
  private:
   ReferencePipeline reference_;
-  Pipeline pipeline_;  // of all sizes and settings in turns: nothing of a frame before may be seen
+  Pipeline pipeline_;  // used for all sizes and parameters: no frame may depend on an earlier one
 };
 
 TEST_P(Pipelines, EverySizeFromOnePixel) {
@@ -57,29 +57,30 @@ TEST_P(Pipelines, EverySizeFromOnePixel) {
     p.disparity_range = 32;
     p.correlation_window_size = 7;
     p.speckle_size = 12;
-    const SlantedPair pair = textured(size, ++seed);
-    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, seed), {p, seed, "textured"}));
-    ASSERT_TRUE(equal(padded(pair.left, 1), padded(pair.right, 2), unmoved(size),
-                      {p, seed, "at another pitch"}, 2));
+    const SlantedPair pair = textured_pair(size, ++seed);
+    ASSERT_TRUE(
+        equal(pair.left, pair.right, random_rectification(size, seed), {p, seed, "textured"}));
+    ASSERT_TRUE(equal(padded(pair.left, 1), padded(pair.right, 2), identity_for(size),
+                      {p, seed, "padded"}, 2));
   }
   EXPECT_GT(valid_, 1000);
 }
 
 TEST_P(Pipelines, EveryRange) {
   const cv::Size size(150, 12);
-  const SlantedPair pair = textured(size, 8);
+  const SlantedPair pair = textured_pair(size, 8);
   for (const int range : {8, 12, 16, 20, 28, 32, 36, 60, 64, 68, 96, 100, 128, 160, 252, 256}) {
     Parameters p;
     p.disparity_range = range;
     p.speckle_size = 20;
-    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, 8), {p, 8, "range"}, 3));
+    ASSERT_TRUE(equal(pair.left, pair.right, random_rectification(size, 8), {p, 8, "range"}, 3));
   }
   EXPECT_GT(valid_, 1000);
 }
 
 TEST_P(Pipelines, EveryWindowAndPattern) {
   const cv::Size size(90, 30);
-  const SlantedPair pair = textured(size, 9);
+  const SlantedPair pair = textured_pair(size, 9);
   for (int correlation = 5; correlation <= 21; correlation += 2) {
     for (int census = 5; census <= 11; census += 2) {
       for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
@@ -89,7 +90,7 @@ TEST_P(Pipelines, EveryWindowAndPattern) {
         p.census_window_size = census;
         p.census_pattern = pattern;
         p.speckle_size = 20;
-        ASSERT_TRUE(equal(pair.left, pair.right, unmoved(size), {p, 9, "windows"}, 2));
+        ASSERT_TRUE(equal(pair.left, pair.right, identity_for(size), {p, 9, "windows"}, 2));
       }
     }
   }
@@ -98,7 +99,7 @@ TEST_P(Pipelines, EveryWindowAndPattern) {
 
 TEST_P(Pipelines, EverySwitchAndThreshold) {
   const cv::Size size(80, 40);
-  const SlantedPair pair = textured(size, 10);
+  const SlantedPair pair = textured_pair(size, 10);
   for (int switches = 0; switches < 16; ++switches) {
     for (const double ratio : {0.0, 12.5, 100.0}) {
       Parameters p;
@@ -110,7 +111,7 @@ TEST_P(Pipelines, EverySwitchAndThreshold) {
       p.uniqueness_ratio = ratio;
       p.disp12MaxDiff = switches % 3 * 2;
       p.speckle_range = switches % 4 * 10;
-      ASSERT_TRUE(equal(pair.left, pair.right, unmoved(size), {p, 10, "switches"}));
+      ASSERT_TRUE(equal(pair.left, pair.right, identity_for(size), {p, 10, "switches"}));
     }
   }
 }
@@ -126,7 +127,7 @@ TEST_P(Pipelines, ExtremeImages) {
     for (const NamedImage& left : extreme_images(size, 5)) {
       for (const NamedImage& right : extreme_images(size, 6)) {
         const Case c{p, 5, left.name + " / " + right.name};
-        ASSERT_TRUE(equal(left.image, right.image, unmoved(size), c, 2));
+        ASSERT_TRUE(equal(left.image, right.image, identity_for(size), c, 2));
       }
     }
   }
@@ -134,53 +135,54 @@ TEST_P(Pipelines, ExtremeImages) {
 
 TEST_P(Pipelines, MeshesThatLeaveTheImage) {
   const cv::Size size(100, 40);
-  const SlantedPair pair = textured(size, 11);
+  const SlantedPair pair = textured_pair(size, 11);
   Parameters p;
   p.disparity_range = 16;
-  for (const int most : {0, 128, 2000, 32767}) {
-    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, 11, most + 1), {p, 11, "mesh"}));
+  for (const int max_units : {0, 128, 2000, 32767}) {
+    ASSERT_TRUE(equal(pair.left, pair.right, random_rectification(size, 11, max_units + 1),
+                      {p, 11, "mesh"}));
   }
 }
 
 TEST_P(Pipelines, ThreadsChangeNothing) {
   const cv::Size size(61, 37);
-  const SlantedPair pair = textured(size, 7);
+  const SlantedPair pair = textured_pair(size, 7);
   Parameters p;
   p.disparity_range = 32;
   p.speckle_size = 50;
   for (const int threads : {1, 2, 3, 7, 37, 200}) {
     const Case c{p, 7, std::to_string(threads) + " threads"};
-    ASSERT_TRUE(equal(pair.left, pair.right, bent(size, 7), c, threads));
+    ASSERT_TRUE(equal(pair.left, pair.right, random_rectification(size, 7), c, threads));
   }
 }
 
-TEST_P(Pipelines, ColorsAreRectifiedAsTheReferenceDoes) {
+TEST_P(Pipelines, RectifiesColorLikeTheReference) {
   for (const cv::Size size : {cv::Size(1, 1), {5, 7}, {64, 20}, {101, 33}}) {
-    for (const int most : {100, 3000}) {
+    for (const int max_units : {100, 3000}) {
       const cv::Mat3b raw = random_color_image(size, 12);
-      const StereoRectification r = bent(size, 12, most);
+      const StereoRectification r = random_rectification(size, 12, max_units);
       cv::Mat expected, actual;
       rectify(raw, r.left.mesh, cv::Range::all(), expected);
       rectify_image(padded(raw, 3), r.left.mesh, 2, actual);
-      ASSERT_TRUE(same("color", expected, actual)) << size << " " << most;
+      ASSERT_TRUE(same("color", expected, actual)) << size << " " << max_units;
     }
   }
 }
 
 TEST_P(Pipelines, TimesOfEveryStage) {
   const cv::Size size(100, 40);
-  const SlantedPair pair = textured(size, 13);
+  const SlantedPair pair = textured_pair(size, 13);
   Pipeline pipeline;
-  const DisparityFrame& made = pipeline.process(pair.left, pair.right, unmoved(size), {}, 2);
+  const DisparityFrame& made = pipeline.process(pair.left, pair.right, identity_for(size), {}, 2);
   for (std::size_t i = 0; i < made.ms.size(); ++i) EXPECT_GT(made.ms[i], 0) << kStageNames[i];
 }
 
 std::string name_of(const ::testing::TestParamInfo<std::string>& info) { return info.param; }
 INSTANTIATE_TEST_SUITE_P(Targets, Pipelines, ::testing::ValuesIn(targets()), name_of);
 
-TEST(RectifyInBands, EqualsTheStage) {
+TEST(RectifyImage, EqualsTheNaiveModel) {
   const cv::Mat3b raw = random_color_image({33, 26}, 12);
-  const Mesh mesh = bent(raw.size(), 12).left.mesh;
+  const Mesh mesh = random_rectification(raw.size(), 12).left.mesh;
   for (const int threads : {1, 2, 3, 7, 50}) {
     cv::Mat out;
     rectify_image(raw, mesh, threads, out);
@@ -189,7 +191,7 @@ TEST(RectifyInBands, EqualsTheStage) {
 }
 
 TEST(ValidateImage, RefusesOtherSizesByName) {
-  const StereoRectification r = unmoved({64, 48});
+  const StereoRectification r = identity_for({64, 48});
   EXPECT_TRUE(validate_image(cv::Mat1b(48, 64), r, "left"));
   const Status status = validate_image(cv::Mat1b(50, 60), r, "right");
   ASSERT_FALSE(status);
@@ -200,10 +202,10 @@ TEST(ValidateImage, RefusesOtherSizesByName) {
 }
 
 TEST(ValidateImage, RefusesEmptyAndTooLargeImages) {
-  EXPECT_TRUE(validate_image(cv::Mat1b(1200, 1920), unmoved({1920, 1200}), "left"));
-  EXPECT_TRUE(validate_image(cv::Mat1b(1, 1), unmoved({1, 1}), "left"));
+  EXPECT_TRUE(validate_image(cv::Mat1b(1200, 1920), identity_for({1920, 1200}), "left"));
+  EXPECT_TRUE(validate_image(cv::Mat1b(1, 1), identity_for({1, 1}), "left"));
   for (const cv::Size size : {cv::Size(1921, 8), {8, 1201}}) {
-    const Status status = validate_image(cv::Mat1b(size), unmoved(size), "left");
+    const Status status = validate_image(cv::Mat1b(size), identity_for(size), "left");
     ASSERT_FALSE(status) << size;
     EXPECT_EQ(status.error().kind, ErrorKind::kImageSize);
     EXPECT_NE(status.error().message.find("1920x1200"), std::string::npos);

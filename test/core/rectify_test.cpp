@@ -19,16 +19,16 @@ cv::Mat rectified_of(const cv::Mat& raw, const Mesh& mesh) {
   return out;
 }
 
-/// A mesh that moves every pixel by (x, y) / 128 px.
-Mesh moved(cv::Size size, int x, int y) {
+/// Returns a mesh that moves every pixel by (x, y) / 128 px.
+Mesh shifted(cv::Size size, int x, int y) {
   Mesh mesh = Mesh::shift(size, 0);
   mesh.nodes = cv::Vec2s(static_cast<short>(x), static_cast<short>(y));
   return mesh;
 }
 
-Mesh random_mesh(cv::Size size, int largest, unsigned seed) {
-  Mesh mesh = moved(size, 0, 0);
-  cv::RNG(seed).fill(mesh.nodes, cv::RNG::UNIFORM, -largest, largest + 1);
+Mesh random_mesh(cv::Size size, int max_units, unsigned seed) {
+  Mesh mesh = shifted(size, 0, 0);
+  cv::RNG(seed).fill(mesh.nodes, cv::RNG::UNIFORM, -max_units, max_units + 1);
   return mesh;
 }
 
@@ -52,33 +52,34 @@ TEST(Rectify, ShiftByWholePixels) {
   EXPECT_EQ(cv::countNonZero(rectified_of(raw, Mesh::shift(raw.size(), 128))), 0);
 }
 
-// (sum + 512) >> 10, of weights that sum to 1024.
+// The result is (sum + 512) >> 10; the weights add up to 1024.
 TEST(Rectify, RoundingByHand) {
   const cv::Mat1b raw = (cv::Mat1b(1, 3) << 0, 1, 0);
   const auto first = [&](int thirty_seconds) {
-    return rectified_of(raw, moved(raw.size(), 4 * thirty_seconds, 0)).at<std::uint8_t>(0, 0);
+    return rectified_of(raw, shifted(raw.size(), 4 * thirty_seconds, 0)).at<std::uint8_t>(0, 0);
   };
   EXPECT_EQ(first(15), 0);
   EXPECT_EQ(first(16), 1) << "half rounds up";
   EXPECT_EQ(first(48), 1);
   EXPECT_EQ(first(49), 0);
   const cv::Mat1b step = (cv::Mat1b(2, 2) << 0, 255, 0, 255);
-  // 5/32 of 255: 39.84.
-  EXPECT_EQ(rectified_of(step, moved({2, 2}, 20, 0)).at<std::uint8_t>(0, 0), 40);
+  // 5/32 of 255 is 39.84.
+  EXPECT_EQ(rectified_of(step, shifted({2, 2}, 20, 0)).at<std::uint8_t>(0, 0), 40);
   const cv::Mat1b four = (cv::Mat1b(2, 2) << 10, 20, 30, 40);
-  EXPECT_EQ(rectified_of(four, moved({2, 2}, 64, 64)).at<std::uint8_t>(0, 0), 25);
-  EXPECT_EQ(rectified_of(four, moved({2, 2}, 32, 0)).at<std::uint8_t>(0, 0), 13) << "12.5";
-  EXPECT_EQ(rectified_of(four, moved({2, 2}, 0, 32)).at<std::uint8_t>(0, 0), 15);
+  EXPECT_EQ(rectified_of(four, shifted({2, 2}, 64, 64)).at<std::uint8_t>(0, 0), 25);
+  EXPECT_EQ(rectified_of(four, shifted({2, 2}, 32, 0)).at<std::uint8_t>(0, 0), 13)
+      << "12.5 is rounded up";
+  EXPECT_EQ(rectified_of(four, shifted({2, 2}, 0, 32)).at<std::uint8_t>(0, 0), 15);
 }
 
-TEST(Rectify, EachTapOutsideIsZero) {
+TEST(Rectify, TapsOutsideAreZero) {
   const cv::Mat1b white(3, 3, std::uint8_t{255});
-  const cv::Mat out = rectified_of(white, moved({3, 3}, -64, -64));
-  EXPECT_EQ(out.at<std::uint8_t>(0, 0), 64) << "one tap of four: 63.75";
-  EXPECT_EQ(out.at<std::uint8_t>(0, 1), 128) << "two taps: 127.5";
+  const cv::Mat out = rectified_of(white, shifted({3, 3}, -64, -64));
+  EXPECT_EQ(out.at<std::uint8_t>(0, 0), 64) << "one of four taps is inside: 63.75";
+  EXPECT_EQ(out.at<std::uint8_t>(0, 1), 128) << "two taps are inside: 127.5";
   EXPECT_EQ(out.at<std::uint8_t>(1, 0), 128);
   EXPECT_EQ(out.at<std::uint8_t>(1, 1), 255);
-  const cv::Mat other = rectified_of(white, moved({3, 3}, 64, 64));
+  const cv::Mat other = rectified_of(white, shifted({3, 3}, 64, 64));
   EXPECT_EQ(other.at<std::uint8_t>(2, 2), 64);
   EXPECT_EQ(other.at<std::uint8_t>(2, 0), 128);
   EXPECT_EQ(other.at<std::uint8_t>(0, 2), 128);
@@ -87,9 +88,9 @@ TEST(Rectify, EachTapOutsideIsZero) {
 TEST(Rectify, EqualsTheNaiveModel) {
   unsigned seed = 1400;
   for (const cv::Size size : {cv::Size(1, 1), {1, 12}, {12, 1}, {7, 9}, {40, 27}}) {
-    for (const int largest : {60, 1500, 32767}) {
-      const Mesh mesh = random_mesh(size, largest, ++seed);
-      const Case c{{}, seed, "nodes up to " + std::to_string(largest)};
+    for (const int max_units : {60, 1500, 32767}) {
+      const Mesh mesh = random_mesh(size, max_units, ++seed);
+      const Case c{{}, seed, "nodes up to " + std::to_string(max_units)};
       for (const NamedImage& input : extreme_images(size, seed)) {
         const cv::Mat expected = naive::rectify(input.image, mesh);
         ASSERT_TRUE(same("rectify", expected, rectified_of(input.image, mesh), c)) << input.name;
@@ -123,8 +124,8 @@ TEST(Rectify, WritesTheGivenRowsOnly) {
 
 using RectifyData = DataTest;
 
-/// Mean absolute difference in grey levels from cv::remap with the exact map, where the source
-/// lies inside the raw image.
+/// Returns the mean absolute difference from cv::remap with the exact map, in grey levels, over the
+/// pixels whose source lies in the raw image.
 double difference_from_remap(const CameraCalibration& camera, const Mesh& mesh,
                              const cv::Mat1b& raw) {
   cv::Mat map_x, map_y;

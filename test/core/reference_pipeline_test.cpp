@@ -19,7 +19,7 @@ Parameters small_search() {
   return p;
 }
 
-/// Every stage by the naive model.
+/// Computes every stage by the naive model.
 Taps naive_taps(const cv::Mat1b& left, const cv::Mat1b& right, const StereoRectification& r,
                 const Parameters& p) {
   Taps t;
@@ -34,7 +34,7 @@ Taps naive_taps(const cv::Mat1b& left, const cv::Mat1b& right, const StereoRecti
   return t;
 }
 
-/// Stage by stage, so that the first stage that differs is named.
+/// Compares stage by stage; a failure names the first stage that differs.
 ::testing::AssertionResult same(const Taps& expected, const Taps& actual, const Case& c) {
   auto result = test::same("rectify left", expected.left, actual.left, c);
   if (result) result = test::same("rectify right", expected.right, actual.right, c);
@@ -60,8 +60,8 @@ TEST(ReferencePipeline, EqualsTheNaiveModel) {
     for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
       Parameters p = small_search();
       p.census_pattern = pattern;
-      const SlantedPair pair = textured(size, ++seed);
-      const StereoRectification r = bent(size, seed);
+      const SlantedPair pair = textured_pair(size, ++seed);
+      const StereoRectification r = random_rectification(size, seed);
       const Taps expected = naive_taps(pair.left, pair.right, r, p);
       ReferencePipeline pipeline;
       const Case c{p, seed, "textured"};
@@ -75,18 +75,19 @@ TEST(ReferencePipeline, EqualsTheNaiveModel) {
 TEST(ReferencePipeline, DefaultsEqualTheNaiveModel) {
   const cv::Size size(96, 24);
   const Parameters p;
-  const SlantedPair pair = textured(size, 3);
+  const SlantedPair pair = textured_pair(size, 3);
   ReferencePipeline pipeline;
-  const StereoRectification r = unmoved(size);
+  const StereoRectification r = identity_for(size);
   const Taps& taps = pipeline.process(pair.left, pair.right, r, p, 2);
   EXPECT_TRUE(same(naive_taps(pair.left, pair.right, r, p), taps, {p, 3, "textured"}));
-  EXPECT_GT(cv::countNonZero(taps.disparity != kNoDisparity), 500) << "something to compare";
+  EXPECT_GT(cv::countNonZero(taps.disparity != kNoDisparity), 500)
+      << "too few disparities to compare";
 }
 
 TEST(ReferencePipeline, EverySwitch) {
   const cv::Size size(48, 20);
-  const SlantedPair pair = textured(size, 4);
-  const StereoRectification r = unmoved(size);
+  const SlantedPair pair = textured_pair(size, 4);
+  const StereoRectification r = identity_for(size);
   ReferencePipeline pipeline;
   for (int switches = 0; switches < 16; ++switches) {
     Parameters p = small_search();
@@ -102,7 +103,7 @@ TEST(ReferencePipeline, EverySwitch) {
 TEST(ReferencePipeline, ExtremeImages) {
   const cv::Size size(30, 14);
   const Parameters p = small_search();
-  const StereoRectification r = unmoved(size);
+  const StereoRectification r = identity_for(size);
   ReferencePipeline pipeline;
   for (const NamedImage& left : extreme_images(size, 5)) {
     for (const NamedImage& right : extreme_images(size, 6)) {
@@ -120,8 +121,8 @@ TEST(ReferencePipeline, ThreadsAndRepetitionChangeNothing) {
     p.disparity_range = 32;
     p.census_pattern = pattern;
     p.speckle_size = 50;
-    const SlantedPair pair = textured(size, 7);
-    const StereoRectification r = bent(size, 7);
+    const SlantedPair pair = textured_pair(size, 7);
+    const StereoRectification r = random_rectification(size, 7);
     ReferencePipeline one, many;
     const Taps& expected = one.process(pair.left, pair.right, r, p, 1);
     for (const int threads : {1, 2, 3, 7, 37, 200}) {
@@ -133,7 +134,7 @@ TEST(ReferencePipeline, ThreadsAndRepetitionChangeNothing) {
   }
 }
 
-TEST(ReferencePipeline, NothingIsLeftOfAnEarlierFrame) {
+TEST(ReferencePipeline, ForgetsEarlierFrames) {
   ReferencePipeline used;
   unsigned seed = 1600;
   for (const cv::Size size : {cv::Size(40, 30), {17, 41}, {1, 1}, {50, 12}}) {
@@ -141,8 +142,8 @@ TEST(ReferencePipeline, NothingIsLeftOfAnEarlierFrame) {
       Parameters p = small_search();
       p.disparity_range = range;
       p.census_pattern = range == 8 ? CensusPattern::kFull : CensusPattern::kSparse;
-      const SlantedPair pair = textured(size, ++seed);
-      const StereoRectification r = unmoved(size);
+      const SlantedPair pair = textured_pair(size, ++seed);
+      const StereoRectification r = identity_for(size);
       ReferencePipeline fresh;
       const Taps& expected = fresh.process(pair.left, pair.right, r, p, 2);
       ASSERT_TRUE(same(expected, used.process(pair.left, pair.right, r, p, 2), {p, seed, "used"}));
@@ -150,31 +151,32 @@ TEST(ReferencePipeline, NothingIsLeftOfAnEarlierFrame) {
   }
 }
 
-TEST(ReferencePipeline, LeavesItsInputsAlone) {
-  const SlantedPair pair = textured({40, 30}, 8);
+TEST(ReferencePipeline, DoesNotChangeItsInputs) {
+  const SlantedPair pair = textured_pair({40, 30}, 8);
   const cv::Mat1b left = pair.left.clone(), right = pair.right.clone();
   ReferencePipeline pipeline;
-  pipeline.process(left, right, unmoved(left.size()), small_search(), 2);
+  pipeline.process(left, right, identity_for(left.size()), small_search(), 2);
   EXPECT_TRUE(test::same("left", pair.left, left));
   EXPECT_TRUE(test::same("right", pair.right, right));
 }
 
-// right(x) of one pair is right(x + m) of the other: m more disparity, found from m on.
-TEST(ReferencePipeline, MinimumDisparityFindsTheSame) {
+// Shifting the right image by m px adds m px of disparity, which the search with min_disparity m
+// finds as before.
+TEST(ReferencePipeline, MinDisparityFindsAShiftedImage) {
   const cv::Size size(70, 24);
   for (const int minimum : {-9, 5, 20}) {
     Parameters p = small_search();
-    const SlantedPair pair = textured(size, 9);
-    cv::Mat1b near(size, std::uint8_t{0}), visible(size, std::uint8_t{0});
+    const SlantedPair pair = textured_pair(size, 9);
+    cv::Mat1b shifted_right(size, std::uint8_t{0}), visible(size, std::uint8_t{0});
     for (int x = 0; x < size.width; ++x) {
       if (x + minimum < 0 || x + minimum >= size.width) continue;
-      pair.right.col(x + minimum).copyTo(near.col(x));
+      pair.right.col(x + minimum).copyTo(shifted_right.col(x));
       pair.right.col(x + minimum).copyTo(visible.col(x + minimum));
     }
     ReferencePipeline plain, shifted;
-    const Taps& expected = plain.process(pair.left, visible, unmoved(size), p, 1);
+    const Taps& expected = plain.process(pair.left, visible, identity_for(size), p, 1);
     p.min_disparity = minimum;
-    const Taps& taps = shifted.process(pair.left, near, unmoved(size, minimum), p, 2);
+    const Taps& taps = shifted.process(pair.left, shifted_right, identity_for(size, minimum), p, 2);
     ASSERT_TRUE(same(expected, taps, {p, 9, "min_disparity"}));
     EXPECT_GT(cv::countNonZero(taps.disparity != kNoDisparity), 300);
   }
@@ -183,9 +185,9 @@ TEST(ReferencePipeline, MinimumDisparityFindsTheSame) {
 TEST(ReferencePipeline, FindsThePlane) {
   const cv::Size size(120, 60);
   const Parameters p = small_search();
-  const SlantedPair pair = textured(size, 10);  // 3.2 + 0.05 x
+  const SlantedPair pair = textured_pair(size, 10);  // 3.2 + 0.05 x
   ReferencePipeline pipeline;
-  const Taps& taps = pipeline.process(pair.left, pair.right, unmoved(size), p, 2);
+  const Taps& taps = pipeline.process(pair.left, pair.right, identity_for(size), p, 2);
   int close = 0;
   int valid = 0;
   for (int y = 10; y < 50; ++y) {
@@ -201,8 +203,9 @@ TEST(ReferencePipeline, FindsThePlane) {
 
 TEST(ReferencePipeline, TimesOfEveryStage) {
   ReferencePipeline pipeline;
-  const SlantedPair pair = textured({40, 30}, 11);
-  const Taps& taps = pipeline.process(pair.left, pair.right, unmoved({40, 30}), small_search(), 2);
+  const SlantedPair pair = textured_pair({40, 30}, 11);
+  const Taps& taps =
+      pipeline.process(pair.left, pair.right, identity_for({40, 30}), small_search(), 2);
   for (const double ms : taps.ms) EXPECT_GT(ms, 0);
 }
 

@@ -10,8 +10,8 @@ namespace {
 
 using Around = cv::Vec<std::uint16_t, 5>;
 
-/// One row of `width` pixels whose sums do not depend on x.
-cv::Mat1w same_for_every_x(const std::vector<std::uint16_t>& sums, int width) {
+/// Returns sums of a row of `width` pixels that do not depend on x.
+cv::Mat1w equal_columns(const std::vector<std::uint16_t>& sums, int width) {
   cv::Mat1w column(static_cast<int>(sums.size()), 1);
   std::copy(sums.begin(), sums.end(), column.begin());
   return cv::repeat(column, 1, width);
@@ -25,30 +25,30 @@ Selection select_row(const cv::Mat1w& sums) {
 }
 
 TEST(Select, ByHand) {
-  const Selection s = select_row(same_for_every_x({90, 80, 30, 20, 40, 70, 60, 95}, 12));
+  const Selection s = select_row(equal_columns({90, 80, 30, 20, 40, 70, 60, 95}, 12));
   EXPECT_EQ(s.winner(0, 5), 3);
   EXPECT_EQ(s.winner_sum(0, 5), 20);
-  EXPECT_EQ(s.runner_up_sum(0, 5), 60) << "30 and 40 are next to the winner";
+  EXPECT_EQ(s.runner_up_sum(0, 5), 60) << "30 and 40 are the winner's neighbours";
   EXPECT_EQ(s.around(0, 5), Around(80, 30, 20, 40, 70));
   EXPECT_EQ(s.right_winner(0, 5), 3);
-  // xr + d < W: the last right pixels see fewer disparities.
+  // Only d < W - xr are searched, so the last right pixels have fewer disparities.
   EXPECT_EQ(s.right_winner(0, 8), 3);
   EXPECT_EQ(s.right_winner(0, 9), 2);
   EXPECT_EQ(s.right_winner(0, 10), 1);
   EXPECT_EQ(s.right_winner(0, 11), 0);
 }
 
-TEST(Select, LowestDisparityOnATie) {
-  const Selection s = select_row(same_for_every_x({9, 5, 7, 7, 5, 7, 7, 5}, 12));
+TEST(Select, TakesTheLowestDisparityOfEqualSums) {
+  const Selection s = select_row(equal_columns({9, 5, 7, 7, 5, 7, 7, 5}, 12));
   EXPECT_EQ(s.winner(0, 0), 1);
   EXPECT_EQ(s.right_winner(0, 0), 1);
   EXPECT_EQ(s.winner_sum(0, 0), 5);
-  EXPECT_EQ(s.runner_up_sum(0, 0), 5) << "an equal sum further away is a rival";
+  EXPECT_EQ(s.runner_up_sum(0, 0), 5) << "an equal sum further away is a runner-up";
 }
 
 TEST(Select, FlatSums) {
   for (const std::uint16_t value : {0, 52920, 65535}) {
-    const Selection s = select_row(same_for_every_x(std::vector<std::uint16_t>(8, value), 3));
+    const Selection s = select_row(equal_columns(std::vector<std::uint16_t>(8, value), 3));
     EXPECT_EQ(cv::countNonZero(s.winner), 0);
     EXPECT_EQ(cv::countNonZero(s.right_winner), 0);
     EXPECT_EQ(s.winner_sum(0, 1), value);
@@ -61,7 +61,7 @@ TEST(Select, AroundIsZeroBeyondTheRange) {
   const auto around = [](int winner) {
     std::vector<std::uint16_t> sums{11, 12, 13, 14, 15, 16, 17, 18};
     sums[static_cast<std::size_t>(winner)] = 1;
-    return select_row(same_for_every_x(sums, 2)).around(0, 0);
+    return select_row(equal_columns(sums, 2)).around(0, 0);
   };
   EXPECT_EQ(around(0), Around(0, 0, 1, 12, 13));
   EXPECT_EQ(around(1), Around(0, 11, 1, 13, 14));
@@ -71,11 +71,11 @@ TEST(Select, AroundIsZeroBeyondTheRange) {
   EXPECT_EQ(around(7), Around(16, 17, 1, 0, 0));
 }
 
-TEST(Select, OnlyDirectNeighboursAreNoRunnerUps) {
+TEST(Select, RunnerUpExcludesDirectNeighboursOnly) {
   std::vector<std::uint16_t> sums{50, 50, 3, 2, 1, 2, 4, 50};
-  EXPECT_EQ(select_row(same_for_every_x(sums, 1)).runner_up_sum(0, 0), 3);
+  EXPECT_EQ(select_row(equal_columns(sums, 1)).runner_up_sum(0, 0), 3);
   sums[2] = 50;
-  EXPECT_EQ(select_row(same_for_every_x(sums, 1)).runner_up_sum(0, 0), 4);
+  EXPECT_EQ(select_row(equal_columns(sums, 1)).runner_up_sum(0, 0), 4);
 }
 
 TEST(Select, RightWinnerFollowsTheDiagonal) {
@@ -88,10 +88,10 @@ TEST(Select, RightWinnerFollowsTheDiagonal) {
   EXPECT_EQ(s.winner(0, 4), 0);
 }
 
-TEST(Select, LargestDisparityOf256) {
+TEST(Select, Disparity255) {
   std::vector<std::uint16_t> sums(256, 9);
   sums[255] = 1;
-  const Selection s = select_row(same_for_every_x(sums, 300));
+  const Selection s = select_row(equal_columns(sums, 300));
   EXPECT_EQ(s.winner(0, 299), 255);
   EXPECT_EQ(s.right_winner(0, 44), 255);
   EXPECT_EQ(s.right_winner(0, 45), 0);
@@ -101,14 +101,14 @@ TEST(Select, EqualsTheNaiveModel) {
   unsigned seed = 800;
   for (const int width : {1, 2, 7, 30, 65}) {
     for (const int range : {8, 12, 16, 64, 128, 256}) {
-      for (const int largest : {2, 40, 65536}) {  // few values: many ties
+      for (const int end : {2, 40, 65536}) {  // few values give many ties
         cv::RNG rng(++seed);
         naive::Sums all;
         Selection actual;
         create(actual, {width, 3});
         for (int y = 0; y < 3; ++y) {
           cv::Mat1w sums(range, width);
-          rng.fill(sums, cv::RNG::UNIFORM, 0, largest);
+          rng.fill(sums, cv::RNG::UNIFORM, 0, end);
           all.emplace_back();
           sums.convertTo(all.back(), CV_32S);
           select(padded(sums, seed), y, actual);
@@ -116,7 +116,7 @@ TEST(Select, EqualsTheNaiveModel) {
         Parameters p;
         p.disparity_range = range;
         ASSERT_TRUE(same("select", naive::select(all), actual, {p, seed, "random sums"}))
-            << "sums below " << largest;
+            << "sums below " << end;
       }
     }
   }

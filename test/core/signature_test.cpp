@@ -19,7 +19,7 @@ std::uint32_t signature(const Words& words) {
   return s.value();
 }
 
-/// (start x^n + sum of words[i] x^(n - 1 - i)) mod (x^32 + polynomial): long division, bit by bit.
+/// Returns (start x^n + sum of words[i] x^(n - 1 - i)) mod (x^32 + polynomial) by long division.
 std::uint32_t by_division(const Words& words) {
   const std::size_t n = words.size();
   std::vector<bool> dividend(n + 32);  // [k]: coefficient of x^k
@@ -52,17 +52,17 @@ TEST(Signature, ByHand) {
   EXPECT_EQ(signature({0}), 0xE12390BF);     // FFFFFFFE ^ 1EDC6F41
   EXPECT_EQ(signature({0, 1}), 0xDC9B4E3E);  // C247217E ^ 1EDC6F41 ^ 1
   EXPECT_EQ(signature({0, 1, 0, 0}), 0x5109893B);
-  EXPECT_EQ(signature({0, 1, 0, 0, 0x80000000}), 0x22131276) << "nothing carried";
+  EXPECT_EQ(signature({0, 1, 0, 0, 0x80000000}), 0x22131276) << "the last step has no carry";
 }
 
-TEST(Signature, IsTheRemainderOfADivision) {
+TEST(Signature, EqualsTheRemainderOfADivision) {
   for (std::size_t count = 0; count < 300; count += 7) {
     const Words words = random_words(count, static_cast<unsigned>(1700 + count));
     ASSERT_EQ(signature(words), by_division(words)) << count << " words";
   }
 }
 
-TEST(Signature, SeesEveryBitAndTheOrder) {
+TEST(Signature, DependsOnEveryBitAndTheOrder) {
   const Words words = random_words(50, 1800);
   const std::uint32_t expected = signature(words);
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -78,12 +78,12 @@ TEST(Signature, SeesEveryBitAndTheOrder) {
   }
 }
 
-TEST(Signature, OfAnImageIsThatOfItsPixelsInRasterOrder) {
+TEST(Signature, OfAnImageReadsPixelsInRasterOrder) {
   const cv::Mat1w wide = (cv::Mat1w(2, 3) << 1, 65535, 32, 7, 0, 40000);
   const cv::Mat1b narrow = (cv::Mat1b(2, 2) << 255, 3, 0, 128);
   EXPECT_EQ(image_signature(wide), by_division({1, 65535, 32, 7, 0, 40000}));
   EXPECT_EQ(image_signature(narrow), by_division({255, 3, 0, 128}));
-  // A part of an image, whose rows are not one behind the other.
+  // The rows of a sub-image are not contiguous in memory.
   EXPECT_EQ(image_signature(wide.colRange(1, 3)), by_division({65535, 32, 0, 40000}));
 }
 
@@ -105,7 +105,8 @@ TEST(SignatureWord, MatchByHand) {
   sums(28, 1) = 0xABCD;
   EXPECT_EQ(match_word(sums, 1), 0x1234U ^ 0x80010U ^ 0xD0000ABCU);
   sums(36, 1) = 0x8001;
-  EXPECT_EQ(match_word(sums, 1), 0x1234U ^ 0xD0000ABCU) << "36 rotates as 4 does";
+  EXPECT_EQ(match_word(sums, 1), 0x1234U ^ 0xD0000ABCU)
+      << "a rotation by 36 is one by 4, so both cancel";
   EXPECT_EQ(match_word(sums, 0), 0U);
 }
 
@@ -144,7 +145,7 @@ Frame frame(CensusPattern pattern) {
   return f;
 }
 
-TEST(StageSignatures, AreThoseOfTheWordsOfEveryPixel) {
+TEST(StageSignatures, EqualThoseOfTheWordsOfEveryPixel) {
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
     const auto [p, t] = frame(pattern);
     const naive::Sums sums = naive::match(t.left_bits, t.right_bits, p);

@@ -1,4 +1,4 @@
-// Slanted planes with a known disparity between pixels: what subpixel is for.
+// Sub-pixel accuracy on slanted planes, whose true disparities lie between whole pixels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@ struct Errors {
   int count = 0;
 };
 
-/// RMS errors of whole pixels, of the stage and of the offsets halved by the paper's misprint.
+/// Measures the errors of whole pixels, of the stage, and of offsets halved by the paper's
+/// misprint.
 Errors errors_on_plane(double a, double b, CensusPattern pattern, unsigned seed) {
   const cv::Size size(240, 80);
   Parameters p;
@@ -56,7 +57,7 @@ TEST(Slant, SubpixelIsCloserToThePlane) {
       const Errors e = errors_on_plane(start, slope, pattern, seed);
       SCOPED_TRACE(::testing::Message() << "slope " << slope << ", seed " << seed);
       EXPECT_GT(e.count, 5000);
-      EXPECT_GT(e.whole, 0.25) << "rounding to whole pixels alone gives 0.29";
+      EXPECT_GT(e.whole, 0.25) << "rounding to whole pixels alone causes 0.29";
       EXPECT_LT(e.refined, e.misprint);
       EXPECT_LT(e.misprint, e.whole);
       EXPECT_LT(e.refined, 0.5 * e.whole);

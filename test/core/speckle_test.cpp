@@ -26,7 +26,7 @@ cv::Mat1w speckle_of(const cv::Mat1w& disparity, const Parameters& p) {
   return out;
 }
 
-/// The same filter by OpenCV, whose size is the largest one to drop.
+/// Runs OpenCV's filter, whose size parameter is the largest area that is dropped.
 cv::Mat1w filter_speckles(const cv::Mat1w& disparity, const Parameters& p) {
   cv::Mat1s signed_values;
   disparity.convertTo(signed_values, CV_16S);
@@ -38,7 +38,7 @@ cv::Mat1w filter_speckles(const cv::Mat1w& disparity, const Parameters& p) {
   return out;
 }
 
-/// Patches of similar disparities with holes: regions of every size.
+/// Returns random disparities on `levels` levels, with holes: regions of many sizes.
 cv::Mat1w random_disparity(cv::Size size, int levels, double holes, unsigned seed) {
   cv::RNG rng(seed);
   cv::Mat1w out(size);
@@ -86,7 +86,8 @@ TEST(Speckle, SwitchedOff) {
       << "every region has one pixel";
 }
 
-// A column of 30 pixels: row y knows the rows up to y + 24, so 26 pixels are first seen in row 1.
+// In a column of 30 pixels, row y sees the rows up to y + 24, so row 1 is the first to see 26
+// pixels.
 TEST(Speckle, LookAheadByHand) {
   const cv::Mat1w column(30, 1, std::uint16_t{320});
   const cv::Mat1w kept = speckle_of(column, speckle(26));
@@ -98,7 +99,7 @@ TEST(Speckle, LookAheadByHand) {
   EXPECT_EQ(cv::countNonZero(large.rowRange(5, 30) == 320), 25);
 }
 
-// Arms that meet further down than the look-ahead are apart for their upper rows.
+// If two arms meet further down than the look-ahead, their upper rows see two regions.
 TEST(Speckle, ArmsOfAConcaveRegion) {
   const auto two_arms = [](int height) {
     cv::Mat1w image(height, 5, kNone);
@@ -135,7 +136,7 @@ TEST(Speckle, EqualsTheNaiveModel) {
   }
 }
 
-TEST(Speckle, TouchesNothingAroundAPart) {
+TEST(Speckle, ChangesNothingAroundASubImage) {
   cv::Mat1w large(20, 30, std::uint16_t{5});
   cv::Mat1w part = large(cv::Rect(8, 6, 9, 7));
   part = kNone;
@@ -146,8 +147,8 @@ TEST(Speckle, TouchesNothingAroundAPart) {
   EXPECT_TRUE(same("speckle", expected, large));
 }
 
-// Regions of less than 24 rows are seen whole by every one of their rows.
-TEST(Speckle, EqualsFilterSpecklesOnLowRegions) {
+// Every row of a region of less than 24 rows sees all of it.
+TEST(Speckle, EqualsFilterSpecklesOnRegionsOfFewRows) {
   unsigned seed = 1200;
   for (const int minimum : {2, 5, 30, 400}) {
     for (const double holes : {0.05, 0.3, 0.42}) {
@@ -164,7 +165,7 @@ TEST(Speckle, EqualsFilterSpecklesOnLowRegions) {
 
 using SpeckleData = DataTest;
 
-/// Percentage of equal pixels for the disparity of a real pair before speckle.
+/// Expects that the filter and OpenCV's agree on 99 % of the pixels of a pair's disparity image.
 void expect_agreement(const cv::Mat1b& left, const cv::Mat1b& right,
                       const StereoRectification& rectification, Parameters p) {
   ReferencePipeline pipeline;
@@ -176,9 +177,9 @@ void expect_agreement(const cv::Mat1b& left, const cv::Mat1b& right,
     const cv::Mat1w theirs = filter_speckles(in, p);
     const double agree = cv::countNonZero(ours == theirs) / static_cast<double>(in.total());
     EXPECT_GE(agree, 0.99);
-    EXPECT_GT(cv::countNonZero(theirs != in), 50) << "nothing to drop proves nothing";
+    EXPECT_GT(cv::countNonZero(theirs != in), 50) << "OpenCV drops too little for a comparison";
     EXPECT_EQ(cv::countNonZero((ours != kNone) & (theirs == kNone)), 0)
-        << "a look-ahead that ends can only drop more";
+        << "the limited look-ahead may only drop more";
   }
 }
 
@@ -206,7 +207,7 @@ TEST_F(SpeckleData, EqualsTheNaiveModel) {
       pipeline.process(pair.left, pair.right, identity_rectification(geometry, 0), p, 1);
   EXPECT_TRUE(same("speckle", naive::speckle(taps.refined, p), taps.disparity, {p, 0, "tsukuba"}));
   EXPECT_NE(cv::countNonZero(filter_speckles(taps.refined, p) != taps.disparity), 0)
-      << "the look-ahead is not seen here";
+      << "the look-ahead makes no difference here";
 }
 
 TEST_F(SpeckleData, AgreesWithFilterSpecklesOnTheSequence) {

@@ -10,7 +10,7 @@ namespace {
 
 using Around = cv::Vec<std::uint16_t, 5>;
 
-/// Disparity of one kept pixel with this winner and these sums.
+/// Returns the disparity of a kept pixel with this winner and these sums.
 int refined(int winner, const Around& around, const Parameters& p = {}) {
   Selection s;
   create(s, {1, 1});
@@ -21,7 +21,7 @@ int refined(int winner, const Around& around, const Parameters& p = {}) {
   return out(0, 0);
 }
 
-/// Sums of a parabola with its vertex at n / 32 px: (32 i - n)^2.
+/// Returns the sums of a parabola with its vertex at n / 32 px: (32 i - n)^2 + 100.
 Around parabola(int n) {
   Around sums;
   for (int i = -2; i <= 2; ++i) {
@@ -34,7 +34,8 @@ TEST(Subpixel, RecoversTheVertexOfExactParabolas) {
   for (int n = -32; n <= 32; ++n) EXPECT_EQ(refined(20, parabola(n)), 20 * 32 + n) << n;
 }
 
-// The misprint 20 in the paper's Eq. 7 halves every offset; 10 is what recovers the vertex.
+// The paper's Eq. 7 misprints the denominator as 20, which halves every offset. 10 recovers the
+// vertex.
 TEST(Subpixel, TheMisprintHalvesTheOffset) {
   EXPECT_EQ(naive::parabola_offset(parabola(12), 7, 10), 12);
   EXPECT_EQ(naive::parabola_offset(parabola(12), 7, 20), 6);
@@ -76,9 +77,9 @@ TEST(Subpixel, NoOffsetAtTheEndsOfTheRange) {
     Parameters p;
     p.disparity_range = range;
     for (int d = 0; d < range; ++d) {
-      const bool inner = d >= 2 && d <= range - 3;
-      ASSERT_EQ(refined(d, parabola(10), p), 32 * d + (inner ? 10 : 0)) << d << " of " << range;
-      ASSERT_EQ(refined(d, parabola(-10), p), 32 * d - (inner ? 10 : 0)) << d << " of " << range;
+      const bool is_inner = d >= 2 && d <= range - 3;
+      ASSERT_EQ(refined(d, parabola(10), p), 32 * d + (is_inner ? 10 : 0)) << d << " of " << range;
+      ASSERT_EQ(refined(d, parabola(-10), p), 32 * d - (is_inner ? 10 : 0)) << d << " of " << range;
     }
     EXPECT_EQ(refined(0, parabola(-32), p), 0);
     EXPECT_EQ(refined(range - 1, parabola(32), p), 32 * (range - 1));
@@ -91,7 +92,7 @@ TEST(Subpixel, SwitchedOff) {
   EXPECT_EQ(refined(20, parabola(10), p), 20 * 32);
 }
 
-TEST(Subpixel, MarksWhatIsNotKept) {
+TEST(Subpixel, MarksPixelsThatAreNotKept) {
   Selection s;
   create(s, {3, 1});
   s.winner = 7;
@@ -112,7 +113,7 @@ TEST(Subpixel, EqualsTheNaiveModel) {
   unsigned seed = 1000;
   for (const cv::Size size : {cv::Size(1, 1), {1, 8}, {9, 1}, {61, 40}}) {
     for (const int range : {8, 12, 64, 256}) {
-      for (const int largest : {4, 64, 52921}) {
+      for (const int end : {4, 64, 52921}) {
         Parameters p;
         p.disparity_range = range;
         Selection s;
@@ -120,7 +121,7 @@ TEST(Subpixel, EqualsTheNaiveModel) {
         cv::Mat1b kept(size);
         cv::RNG rng(++seed);
         rng.fill(s.winner, cv::RNG::UNIFORM, 0, range);
-        rng.fill(s.around, cv::RNG::UNIFORM, 0, largest);
+        rng.fill(s.around, cv::RNG::UNIFORM, 0, end);
         rng.fill(kept, cv::RNG::UNIFORM, 0, 2);
         const cv::Mat1w expected = naive::subpixel(s, kept, p);
         cv::Mat1w actual;

@@ -7,7 +7,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-TEST(Target, TheBestIsTheDefaultAndScalarTheLast) {
+TEST(Target, DefaultIsTheFirstAndScalarIsTheLast) {
   const std::vector<std::string> all = targets();
   EXPECT_EQ(all.back(), "scalar");
   if (std::getenv(kTargetVariable) == nullptr) {
@@ -15,7 +15,7 @@ TEST(Target, TheBestIsTheDefaultAndScalarTheLast) {
   }
 }
 
-TEST(Target, AnyOfThisMachineCanBeChosen) {
+TEST(Target, EveryTargetOfThisMachineCanBeChosen) {
   const std::string before = target();
   for (const std::string& name : targets()) {
     EXPECT_TRUE(choose_target(name));
@@ -24,20 +24,20 @@ TEST(Target, AnyOfThisMachineCanBeChosen) {
   EXPECT_TRUE(choose_target(before));
 }
 
-TEST(Target, AnUnknownOneIsRefusedByName) {
+TEST(Target, RefusesUnknownNames) {
   const std::string before = target();
   const Status refused = choose_target("MMX");
   ASSERT_FALSE(refused);
   std::string allowed;
   for (const std::string& name : targets()) allowed += (allowed.empty() ? "" : ", ") + name;
-  EXPECT_EQ(
-      refused.error().message,
-      "'MMX' is no target of this machine and build (FPGA_STEREO_TARGET): allowed " + allowed);
+  EXPECT_EQ(refused.error().message,
+            "SIMD target 'MMX' is not available on this machine and build: allowed " + allowed);
   EXPECT_EQ(target(), before);
 }
 
-TEST(Target, TheVariableForcesOne) {
-  ::testing::FLAGS_gtest_death_test_style = "threadsafe";  // a new process: it is read once
+TEST(Target, EnvironmentVariableForcesATarget) {
+  ::testing::FLAGS_gtest_death_test_style =
+      "threadsafe";  // runs in a new process, as the variable is read once
   EXPECT_EXIT(
       {
         setenv(kTargetVariable, "scalar", 1);

@@ -1,4 +1,4 @@
-// Exact comparison of images. A mismatch names stage, pixel, both values, parameters and seed.
+// Exact comparison of images. A mismatch reports stage, pixel, both values, parameters and seed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace fpga_stereo::test {
 
-/// What a mismatch is reported with.
+/// The circumstances of a comparison, which a mismatch reports.
 struct Case {
   Parameters parameters;
   unsigned seed = 0;
@@ -35,7 +35,8 @@ inline std::string values_at(const cv::Mat& image, int x, int y) {
   return text.str();
 }
 
-/// Same size, type and bytes; else the first difference in raster order.
+/// Succeeds if size, type and pixels are equal. A failure reports the first difference in raster
+/// order.
 inline ::testing::AssertionResult same(const std::string& stage, const cv::Mat& expected,
                                        const cv::Mat& actual, const Case& c = {}) {
   if (expected.size() != actual.size() || expected.type() != actual.type()) {

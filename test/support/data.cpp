@@ -25,7 +25,7 @@ cv::Mat1b load(const std::string& name) {
   return image;
 }
 
-/// Values of an image whose channels, if several, are equal.
+/// Loads an image whose channels, if there are several, are equal.
 cv::Mat1b load_first_channel(const std::string& name) {
   const cv::Mat image = cv::imread(path(name), cv::IMREAD_UNCHANGED);
   if (image.empty()) throw std::runtime_error("cannot read " + path(name));

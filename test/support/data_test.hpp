@@ -1,4 +1,4 @@
-// Fixture of the tests that need the images on disk.
+// Fixture for tests that need the images on disk.
 #pragma once
 
 #include <gtest/gtest.h>

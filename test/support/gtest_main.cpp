@@ -1,4 +1,4 @@
-// catkin links GoogleTest without its main.
+// main() of the tests: catkin links GoogleTest without its own.
 #include <gtest/gtest.h>
 
 int main(int argc, char** argv) {

@@ -6,7 +6,7 @@
 namespace fpga_stereo::naive {
 namespace {
 
-/// Floor of a / b for b > 0.
+/// Returns floor(a / b) for b > 0.
 std::int64_t floor_div(std::int64_t a, std::int64_t b) {
   return a >= 0 ? a / b : -((-a + b - 1) / b);
 }
@@ -155,9 +155,11 @@ Selection select(const Sums& sums) {
       for (int d = range - 1; d >= 0; --d) {
         if (s(d, x) <= s(best, x) || d == range - 1) best = d;
       }
-      int rival = -1;
+      int runner_up = -1;
       for (int d = 0; d < range; ++d) {
-        if (std::abs(d - best) > 1 && (rival < 0 || s(d, x) < rival)) rival = s(d, x);
+        if (std::abs(d - best) > 1 && (runner_up < 0 || s(d, x) < runner_up)) {
+          runner_up = s(d, x);
+        }
       }
       int right_best = -1;
       for (int d = range - 1; d >= 0; --d) {
@@ -167,7 +169,7 @@ Selection select(const Sums& sums) {
       out.winner(y, x) = static_cast<std::uint8_t>(best);
       out.right_winner(y, x) = static_cast<std::uint8_t>(right_best);
       out.winner_sum(y, x) = static_cast<std::uint16_t>(s(best, x));
-      out.runner_up_sum(y, x) = static_cast<std::uint16_t>(rival);
+      out.runner_up_sum(y, x) = static_cast<std::uint16_t>(runner_up);
       for (int i = 0; i < 5; ++i) {
         const int d = best - 2 + i;
         const bool searched = d >= 0 && d < range;

@@ -1,5 +1,5 @@
-// A second model of the pipeline, written from fpga_fw/spec/pipeline.md alone and as plainly as
-// possible: no running sums, no tables, no early exits. Too slow for anything but tests.
+// A second model of the pipeline, written from fpga_fw/spec/pipeline.md alone and as simply as
+// possible: no running sums, no tables, no early exits. Only fast enough for tests.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -14,30 +14,30 @@ namespace fpga_stereo::naive {
 /// S(x, y, d) of a whole image; [y] is disparity_range x W.
 using Sums = std::vector<cv::Mat1i>;
 
-/// Source of rectified pixel (x, y) in 1/32 px.
+/// Returns the source of rectified pixel (x, y) in 1/32 px.
 cv::Point source(const Mesh& mesh, int x, int y);
 
 /// 8UC1 or 8UC3; taps outside the raw image are 0.
 cv::Mat rectify(const cv::Mat& raw, const Mesh& mesh);
 
-/// The census bits of one pixel, in raster order.
+/// Returns the census bits of a pixel, in raster order.
 std::vector<int> census_bits(const cv::Mat1b& image, const Parameters& p, int x, int y);
 
-/// The same for every pixel, packed as the stage does: bit k % 32 of channel k / 32.
+/// Returns the census bits of every pixel, packed as the stage does: bit k % 32 of channel k / 32.
 cv::Mat census(const cv::Mat1b& image, const Parameters& p);
 
-/// h(x, y, d) between packed census images of `bits` bits.
+/// Returns h(x, y, d) for packed census images of `bits` bits.
 int hamming(const cv::Mat& left, const cv::Mat& right, int bits, int x, int y, int d);
 
-/// Every window sum, each added up on its own.
+/// Returns all window sums, each added up on its own.
 Sums match(const cv::Mat& left, const cv::Mat& right, const Parameters& p);
 
 Selection select(const Sums& sums);
 
 cv::Mat1b check(const Selection& s, const Parameters& p);
 
-/// Offset of the parabola through five sums in 1/32 px, after clamping and rounding;
-/// numerator / denominator is the factor on num / den (7 / 10 gives the vertex).
+/// Returns the vertex of the parabola through five sums in 1/32 px, clamped and rounded.
+/// numerator / denominator is the factor of num / den; 7 / 10 gives the vertex.
 int parabola_offset(const cv::Vec<std::uint16_t, 5>& sums, int numerator = 7, int denominator = 10);
 
 cv::Mat1w subpixel(const Selection& s, const cv::Mat1b& kept, const Parameters& p);

@@ -5,7 +5,7 @@
 namespace fpga_stereo::naive {
 namespace {
 
-/// Pixels of the region of `seed` in `disparity`, by flood fill.
+/// Returns the pixels of the region that contains `seed`, by flood fill.
 std::vector<cv::Point> region_of(const cv::Mat1w& disparity, int range, cv::Point seed,
                                  cv::Mat1b& seen) {
   std::vector<cv::Point> region{seed};
@@ -30,7 +30,7 @@ cv::Mat1w speckle(const cv::Mat1w& disparity, const Parameters& p) {
   cv::Mat1w out = disparity.clone();
   if (p.speckle_size == 0) return out;
   for (int y = 0; y < disparity.rows; ++y) {
-    // All that is known when row y is decided.
+    // The rows that are known when row y is decided.
     const cv::Mat1w known = disparity.rowRange(0, std::min(disparity.rows, y + 24 + 1));
     cv::Mat1b seen(known.size(), std::uint8_t{0});
     for (int x = 0; x < disparity.cols; ++x) {
