@@ -7,7 +7,7 @@
 #include "core/stages.hpp"
 #include "fpga_stereo/core/target.hpp"
 #ifdef FPGA_STEREO_SIMD
-#include "core/simd/frame.hpp"
+#include "core/simd/pipeline.hpp"
 #endif
 
 namespace fpga_stereo {
@@ -35,7 +35,7 @@ void rectify_image(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Ma
   for_each_band(mesh.size.height, num_threads, [&](int, cv::Range rows) {
     if (scalar) return rectify(raw, mesh, rows, rectified);
 #ifdef FPGA_STEREO_SIMD
-    for (int y = rows.start; y < rows.end; ++y) simd::rectify_row(raw, mesh, y, rectified.ptr(y));
+    simd::rectify(raw, mesh, rows, rectified);
 #endif
   });
 }
@@ -43,7 +43,7 @@ void rectify_image(const cv::Mat& raw, const Mesh& mesh, int num_threads, cv::Ma
 struct Pipeline::Implementation {
   ReferencePipeline reference;
 #ifdef FPGA_STEREO_SIMD
-  simd::Frame simd;
+  simd::Pipeline simd;
 #endif
 };
 

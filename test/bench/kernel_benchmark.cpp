@@ -1,21 +1,22 @@
-// The kernels that take most of a frame, alone, on one thread, for a row of 640 pixels with 64
-// disparities that is in the caches: items are pixels; those of `cycles` are the processor's.
-// Names are kernel/variant.
+// Measures the kernels that take most of a frame, each alone on one thread, for a row of 640 pixels
+// with 64 disparities that is in the caches. An item is a pixel; an item of `cycles` is a cycle of
+// the processor. Names are kernel/variant.
 #include <benchmark/benchmark.h>
 
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "bench/run.hpp"
-#include "core/simd/kernels.hpp"
+#include "core/simd/select.hpp"
+#include "core/simd/stages.hpp"
 
 namespace fpga_stereo::bench {
 namespace {
 
-constexpr int kWidth = 640, kRange = 64, kRadius = 7, kColumns = 32;
-constexpr int kPadded = simd::padded_range(kRange);
-constexpr int kMargin = 2 * kPadded;  // around a row, bytes or lanes
-constexpr int kRows = 128;            // of the ring
+constexpr int kWidth = 640, kRange = 64, kRadius = 7;
+constexpr int kLanes = simd::lanes_per_pixel(kRange);
+constexpr int kMargin = 2 * kLanes;  // around a row, in bytes or lanes
+constexpr int kRingRows = 128;
 
 cv::Mat1b random_bytes(int rows, int cols, int end) {
   cv::Mat1b bytes(rows, cols);
@@ -23,52 +24,78 @@ cv::Mat1b random_bytes(int rows, int cols, int end) {
   return bytes;
 }
 
-/// What the kernels read and write, as RowMatcher arranges it.
+Parameters parameters(CensusPattern pattern = CensusPattern::kSparse) {
+  Parameters p;
+  p.disparity_range = kRange;
+  p.census_pattern = pattern;
+  return p;
+}
+
+/// What the kernels read and write, as the pipeline arranges it.
 struct Row {
   cv::Mat1b planes = random_bytes(2 * 15, kMargin + kWidth + kMargin, 256);
-  cv::Mat1b slots = random_bytes(2 * kRadius + 1, kWidth* kPadded, 25);
-  cv::Mat1s columns = cv::Mat1s(1, (kWidth + 4 * kRadius) * kPadded, std::int16_t{100});
+  cv::Mat1b distances = random_bytes(2 * kRadius + 1, kWidth* kLanes, 25);
+  cv::Mat1s columns = cv::Mat1s(1, (kWidth + 4 * kRadius) * kLanes, std::int16_t{100});
   cv::Mat1w ring =
-      cv::Mat1w(1, kRows*(kPadded + simd::kLaneGroup) + simd::kLaneGroup, std::uint16_t{0xFFFF});
-  cv::Mat1w words = cv::Mat1w(7, kWidth + simd::kBorder, std::uint16_t{1000});
-  cv::Mat1b bytes = random_bytes(2, kMargin + kWidth + simd::kBorder, kRange);
-  cv::Mat1b image = random_bytes(11, kMargin + kWidth + kMargin, 256);
+      cv::Mat1w(1, kRingRows*(kLanes + simd::kLaneGroup) + simd::kLaneGroup, std::uint16_t{0xFFFF});
+  simd::WindowSums sums{ring[0] + simd::kLaneGroup,
+                        kLanes + simd::kLaneGroup,
+                        kRingRows - 1,
+                        kRange,
+                        kLanes,
+                        kWidth + kRange,
+                        0,
+                        0};
+  simd::SelectionBuffer selection;
+  simd::CensusImage image;
+  simd::CensusPlanes sparse, full;
   std::vector<std::uint8_t> kept = std::vector<std::uint8_t>(kWidth + simd::kBorder);
   std::vector<std::uint16_t> disparity = std::vector<std::uint16_t>(kWidth + simd::kBorder);
-  simd::SumRing sums{ring[0] + simd::kLaneGroup, kPadded + simd::kLaneGroup, kRows - 1, kRange,
-                     kPadded};
-  simd::SelectedRow selected{bytes[0] + kMargin,
-                             bytes[1] + kMargin,
-                             words[0],
-                             words[1],
-                             {words[2], words[3], words[4], words[5], words[6]}};
-  int slot = 0;
+  int distances_row = 0;
 
   Row() {
-    for (int x = 0; x < kRows; ++x) {
-      std::uint16_t* sum = sums.row(x);
-      for (int i = 0; i < kPadded; ++i)
-        sum[i] = static_cast<std::uint16_t>(cv::theRNG().uniform(0, 5400));
+    for (int x = 0; x < kRingRows; ++x) {
+      for (int i = 0; i < kLanes; ++i) {
+        sums.column(x)[i] = static_cast<std::uint16_t>(cv::theRNG().uniform(0, 5400));
+      }
     }
+    selection.create(kWidth, kRange);
+    const simd::SelectionRow& row = selection.row();
+    for (int x = 0; x < kWidth; ++x) {
+      row.winner[x] = static_cast<std::uint8_t>(cv::theRNG().uniform(0, kRange));
+      row.right_winner[x] = static_cast<std::uint8_t>(cv::theRNG().uniform(0, kRange));
+      row.winner_sum[x] = row.runner_up_sum[x] = 1000;
+      for (auto* sum : row.around) sum[x] = 1000;
+    }
+    image.create({kWidth, 1});
+    cv::randu(image.all, 0, 256);
+    sparse.create({kWidth, 1}, parameters());
+    full.create({kWidth, 1}, parameters(CensusPattern::kFull));
   }
-  std::int16_t* first_column() { return columns[0] + (kRadius + 1) * kPadded; }
+  std::int16_t* first_column() { return columns[0] + (kRadius + 1) * kLanes; }
 
+  void census(CensusPattern pattern) {
+    simd::CensusPlanes& bits = pattern == CensusPattern::kFull ? full : sparse;
+    simd::census(image, parameters(pattern), {0, 1}, bits);
+  }
   void hamming(int count) {
     const simd::HammingRow row{planes[0] + kMargin,
                                planes[count] + kMargin,
                                static_cast<std::ptrdiff_t>(planes.step[0]),
                                count,
                                kRange,
-                               kPadded,
+                               kLanes,
                                4 * count};
-    slot = (slot + 1) % slots.rows;
-    simd::hamming(row, 0, kWidth, slots[slot], first_column());
+    distances_row = (distances_row + 1) % distances.rows;
+    simd::hamming_distances(row, 0, kWidth, distances[distances_row], first_column());
   }
-  void census(int neighbours) {
-    std::vector<std::ptrdiff_t> distances;
-    const auto pitch = static_cast<std::ptrdiff_t>(image.step[0]);
-    for (int i = 0; i < neighbours; ++i) distances.push_back((i / 11 - 5) * pitch + i % 11 - 5);
-    simd::census_row(image[5] + kMargin, kWidth, distances, planes[0], planes.cols);
+  /// Calls work() for each block of the row.
+  template <class Work>
+  void for_each_block(const Work& work) {
+    for (sums.begin = 0; sums.begin < kWidth; sums.begin += simd::kBlockColumns) {
+      sums.end = sums.begin + simd::kBlockColumns;
+      work();
+    }
   }
 };
 
@@ -81,7 +108,7 @@ void add(const char* name, Work work) {
   });
 }
 
-/// Additions that wait for each other: cycles, to compare the kernels with.
+/// Additions of which each waits for the one before: a cycle each, to compare the kernels with.
 void cycles(benchmark::State& state) {
   constexpr int kAdditions = 64;
   std::uint64_t sum = 1, step = 3;
@@ -96,29 +123,22 @@ void cycles(benchmark::State& state) {
 
 void add_all() {
   benchmark::RegisterBenchmark("cycles", cycles);
-  add("census/sparse", [](Row& r) { r.census(24); });
-  add("census/full", [](Row& r) { r.census(120); });
+  add("census/sparse", [](Row& r) { r.census(CensusPattern::kSparse); });
+  add("census/full", [](Row& r) { r.census(CensusPattern::kFull); });
   add("hamming/sparse", [](Row& r) { r.hamming(3); });
   add("hamming/full", [](Row& r) { r.hamming(15); });
-  add("box", [](Row& r) {
-    for (int x = 0; x < kWidth; x += kColumns) {
-      simd::box(r.first_column(), kRadius, x, x + kColumns, r.sums);
-    }
+  add("window_sums", [](Row& r) {
+    r.for_each_block([&] { simd::window_sums(r.first_column(), kRadius, r.sums); });
   });
-  add("select/left", [](Row& r) {
-    for (int x = 0; x < kWidth; x += kColumns) {
-      simd::select_left(r.sums, x, x + kColumns, r.selected);
-    }
-  });
+  add("select/left",
+      [](Row& r) { r.for_each_block([&] { simd::select_left(r.sums, r.selection.row()); }); });
   add("select/right", [](Row& r) {
-    for (int x = 0; x < kWidth; x += simd::kLaneGroup) {
-      simd::select_right(r.sums, x, kWidth + kRange, r.selected.right_winner);
-    }
+    r.for_each_block(
+        [&] { simd::select_right(r.sums, r.sums.begin, r.selection.row().right_winner); });
   });
-  add("check",
-      [](Row& r) { simd::check_row(r.selected, kWidth, true, 1, true, 282, r.kept.data()); });
-  add("subpixel", [](Row& r) {
-    simd::subpixel_row(r.selected, r.kept.data(), kWidth, kRange, true, r.disparity.data());
+  add("check", [p = parameters()](Row& r) { simd::check(r.selection.row(), p, r.kept.data()); });
+  add("subpixel", [p = parameters()](Row& r) {
+    simd::subpixel(r.selection.row(), r.kept.data(), p, r.disparity.data());
   });
 }
 

@@ -1,17 +1,20 @@
 #include <algorithm>
+#include <vector>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/simd/census.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "core/simd/kernels.hpp"
+#include "core/census_window.hpp"
+#include "core/simd/stages.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// Census of a row. `neighbours` are distances from a pixel in bytes.
 void census_row(const std::uint8_t* image, int width, const std::vector<std::ptrdiff_t>& neighbours,
                 std::uint8_t* planes, std::ptrdiff_t plane_pitch) {
   const hn::CappedTag<std::uint8_t, kBorder> d;
@@ -39,9 +42,14 @@ namespace fpga_stereo::simd {
 
 HWY_EXPORT(census_row);
 
-void census_row(const std::uint8_t* image, int width, const std::vector<std::ptrdiff_t>& neighbours,
-                std::uint8_t* planes, std::ptrdiff_t plane_pitch) {
-  HWY_DYNAMIC_DISPATCH(census_row)(image, width, neighbours, planes, plane_pitch);
+void census(const CensusImage& image, const Parameters& p, cv::Range rows, CensusPlanes& bits) {
+  const auto pitch = static_cast<std::ptrdiff_t>(image.image.step[0]);
+  std::vector<std::ptrdiff_t> neighbours;
+  for (const cv::Point& n : census_neighbours(p)) neighbours.push_back(n.y * pitch + n.x);
+  for (int y = rows.start; y < rows.end; ++y) {
+    HWY_DYNAMIC_DISPATCH(census_row)
+    (image.image[y], image.image.cols, neighbours, bits.row(y), bits.pitch);
+  }
 }
 
 }  // namespace fpga_stereo::simd

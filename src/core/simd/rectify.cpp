@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
@@ -8,171 +7,169 @@
 #include <hwy/highway.h>
 
 #include "core/rectify_pixels.hpp"
-#include "core/simd/kernels.hpp"
+#include "core/simd/stages.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D32 = hn::CappedTag<std::int32_t, kMeshPitch>;  // a cell of the mesh, or a part of it
+constexpr int kColumns = 16, kRows = 3;  // of the raw image that are read for a cell
+
+using D32 = hn::CappedTag<std::int32_t, kMeshPitch>;  // the pixels of a cell, or a part of them
 using V32 = hn::Vec<D32>;
 
-/// Where the 2 x 2 pixels of some rectified ones are, and their weights.
-struct Taps {
-  V32 left, top, wx, wy;
+struct Source {
+  V32 x, y;  // 1/32 px of the raw image
 };
 
-/// As MeshRow::source, of the pixels x .. x + lanes - 1 of one cell.
-HWY_INLINE Taps taps(const cv::Point* columns, int x, int y) {
+/// Computes MeshRow::source of the lanes `first` and following of the cell at column x.
+HWY_INLINE Source source(const cv::Point* columns, int x, int y, int first) {
   const D32 d;
   const int cell = x / kMeshPitch;
   const cv::Point from = columns[cell], to = columns[cell + 1];
-  const auto along = hn::Iota(d, x % kMeshPitch);
+  const auto along = hn::Iota(d, first);
   const auto half_up = hn::Set(d, 1 << 7);
-  const auto moved = [&](int start, int step, V32 at) {
+  const auto moved = [&](int start, int step, V32 at) HWY_ATTR {
     const auto exact = hn::Add(hn::Set(d, start * kMeshPitch), hn::Mul(hn::Set(d, step), along));
     return hn::Add(at, hn::ShiftRight<8>(hn::Add(exact, half_up)));
   };
-  const auto source_x = moved(from.x, to.x - from.x, hn::ShiftLeft<kSourceShift>(hn::Iota(d, x)));
-  const auto source_y = moved(from.y, to.y - from.y, hn::Set(d, y * kSourceScale));
+  const auto column = hn::ShiftLeft<kSourceShift>(hn::Iota(d, x + first));
+  return {moved(from.x, to.x - from.x, column),
+          moved(from.y, to.y - from.y, hn::Set(d, y * kSourceScale))};
+}
+
+/// Computes the source cells of a row of the rectified image.
+void source_cells(const cv::Point* columns, int y, int count, cv::Size raw, SourceCell* cells) {
+  const D32 d;
+  const hn::Rebind<std::uint8_t, D32> bytes;
+  const int lanes = static_cast<int>(hn::Lanes(d));
   const auto fraction = hn::Set(d, kSourceScale - 1);
-  return {hn::ShiftRight<kSourceShift>(source_x), hn::ShiftRight<kSourceShift>(source_y),
-          hn::And(source_x, fraction), hn::And(source_y, fraction)};
+  for (int i = 0; i < count; ++i) {
+    SourceCell& cell = cells[i];
+    const int x = i * kMeshPitch;
+    auto least_x = hn::Set(d, raw.width << kSourceShift);
+    auto least_y = hn::Set(d, raw.height << kSourceShift);
+    for (int first = 0; first < kMeshPitch; first += lanes) {
+      const Source s = source(columns, x, y, first);
+      least_x = hn::Min(least_x, s.x);
+      least_y = hn::Min(least_y, s.y);
+    }
+    const auto left = hn::ShiftRight<kSourceShift>(hn::MinOfLanes(d, least_x));
+    const auto top = hn::ShiftRight<kSourceShift>(hn::MinOfLanes(d, least_y));
+    const int raw_x = hn::GetLane(left), raw_y = hn::GetLane(top);
+    cell.x = kScattered;
+    if (raw_x < 0 || raw_y < 0 || raw_x + kColumns > raw.width || raw_y + kRows > raw.height) {
+      continue;
+    }
+    bool is_near = true;
+    for (int first = 0; first < kMeshPitch; first += lanes) {
+      const Source s = source(columns, x, y, first);
+      const auto column = hn::Sub(hn::ShiftRight<kSourceShift>(s.x), left);
+      const auto row = hn::Sub(hn::ShiftRight<kSourceShift>(s.y), top);
+      is_near = is_near && hn::AllTrue(d, hn::And(hn::Lt(column, hn::Set(d, kColumns - 1)),
+                                                  hn::Lt(row, hn::Set(d, kRows - 1))));
+      const auto second_row =
+          hn::IfThenElseZero(hn::Gt(row, hn::Zero(d)), hn::Set(d, int{kSecondRow}));
+      hn::StoreU(hn::DemoteTo(bytes, column), bytes, cell.column + first);
+      hn::StoreU(hn::DemoteTo(bytes, hn::And(s.x, fraction)), bytes, cell.wx + first);
+      hn::StoreU(hn::DemoteTo(bytes, hn::Or(hn::And(s.y, fraction), second_row)), bytes,
+                 cell.wy + first);
+    }
+    if (!is_near) continue;
+    cell.x = static_cast<std::int16_t>(raw_x);
+    cell.y = static_cast<std::int16_t>(raw_y);
+  }
 }
 
-/// Of one channel, from the upper and the lower two pixels: weighted mean, rounded half up.
-HWY_INLINE V32 bilinear(const Taps& t, V32 a, V32 b, V32 c, V32 e) {
-  const auto upper = hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), t.wx));
-  const auto lower = hn::Add(hn::ShiftLeft<kSourceShift>(c), hn::Mul(hn::Sub(e, c), t.wx));
-  const auto sum =
-      hn::Add(hn::ShiftLeft<kSourceShift>(upper), hn::Mul(hn::Sub(lower, upper), t.wy));
-  const auto half = hn::Set(D32(), kSourceScale * kSourceScale / 2);
-  return hn::ShiftRight<2 * kSourceShift>(hn::Add(sum, half));
+using D16 = hn::Full128<std::int16_t>;  // the pixels of a cell
+using V16 = hn::Vec<D16>;
+using Bytes = hn::Full128<std::uint8_t>;  // kColumns pixels of a raw row
+using VBytes = hn::Vec<Bytes>;
+using CellBytes = hn::Half<Bytes>;
+
+/// The weights of a cell, unpacked.
+struct Weights {
+  VBytes pairs;  // the bytes of both columns that each pixel reads
+  V16 wx, wy;
+
+  HWY_INLINE explicit Weights(const SourceCell& cell) {
+    const D16 d;
+    const auto unpack = [&](const std::uint8_t* from)
+                            HWY_ATTR { return hn::PromoteTo(d, hn::LoadU(CellBytes(), from)); };
+    const auto columns = hn::Mul(unpack(cell.column), hn::Set(d, 0x0101));
+    pairs = hn::BitCast(Bytes(), hn::Add(columns, hn::Set(d, 0x0100)));
+    wx = unpack(cell.wx);
+    wy = unpack(cell.wy);
+  }
+};
+
+/// Interpolates between the columns of a raw row; in 1/32.
+HWY_INLINE V16 interpolate_columns(VBytes raw, const Weights& w) {
+  const D16 d;
+  const hn::RebindToUnsigned<D16> du;
+  const auto both = hn::BitCast(d, hn::TableLookupBytes(raw, w.pairs));
+  const auto a = hn::And(both, hn::Set(d, 0xFF));
+  const auto b = hn::BitCast(d, hn::ShiftRight<8>(hn::BitCast(du, both)));
+  return hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), w.wx));
 }
 
-/// The pixels of a grey image.
-HWY_INLINE V32 grey(const Taps& t, const cv::Mat& raw) {
-  const D32 d;
-  const auto byte = hn::Set(d, 0xFF);
-  const auto pitch = hn::Set(d, static_cast<int>(raw.step[0]));
-  const auto upper = hn::Add(hn::Mul(t.top, pitch), t.left);
-  const auto* data = reinterpret_cast<const std::int32_t*>(raw.data);
-  const auto a = hn::GatherOffset(d, data, upper);
-  const auto c = hn::GatherOffset(d, data, hn::Add(upper, pitch));
-  return bilinear(t, hn::And(a, byte), hn::And(hn::ShiftRight<8>(a), byte), hn::And(c, byte),
-                  hn::And(hn::ShiftRight<8>(c), byte));
-}
-
-/// The pixels of a colour image, as blue, green and red bytes of words.
-HWY_INLINE V32 color(const Taps& t, const cv::Mat& raw) {
-  const D32 d;
-  const auto byte = hn::Set(d, 0xFF), three = hn::Set(d, 3);
-  const auto pitch = hn::Set(d, static_cast<int>(raw.step[0]));
-  const auto upper = hn::Add(hn::Mul(t.top, pitch), hn::Mul(t.left, three));
-  const auto lower = hn::Add(upper, pitch);
-  const auto* data = reinterpret_cast<const std::int32_t*>(raw.data);
-  const auto a = hn::GatherOffset(d, data, upper), c = hn::GatherOffset(d, data, lower);
-  const auto b = hn::GatherOffset(d, data, hn::Add(upper, three));
-  const auto e = hn::GatherOffset(d, data, hn::Add(lower, three));
-  const auto channel = [&](const auto& shifted) {
-    return bilinear(t, hn::And(shifted(a), byte), hn::And(shifted(b), byte),
-                    hn::And(shifted(c), byte), hn::And(shifted(e), byte));
-  };
-  const auto blue = channel([](V32 v) { return v; });
-  const auto green = channel([](V32 v) { return hn::ShiftRight<8>(v); });
-  const auto red = channel([](V32 v) { return hn::ShiftRight<16>(v); });
-  return hn::Or(hn::Or(blue, hn::ShiftLeft<8>(green)), hn::ShiftLeft<16>(red));
+/// Computes one channel of a cell from the kRows rows of it.
+HWY_INLINE hn::Vec<CellBytes> interpolate(VBytes row0, VBytes row1, VBytes row2, const Weights& w) {
+  const D16 d;
+  const auto first = interpolate_columns(row0, w);
+  const auto middle = interpolate_columns(row1, w);
+  const auto last = interpolate_columns(row2, w);
+  const auto second_row = hn::Gt(w.wy, hn::Set(d, kSecondRow - 1));
+  const auto upper = hn::IfThenElse(second_row, middle, first);
+  const auto lower = hn::IfThenElse(second_row, last, middle);
+  // (32 upper + (lower - upper) wy + 512) >> 10. The division by 32 may come first, as it floors as
+  // well; the high half of 4 (lower - upper) 512 wy is it, and fits into 16 bits. The shift removes
+  // kSecondRow from wy.
+  const auto product = hn::MulHigh(hn::ShiftLeft<2>(hn::Sub(lower, upper)), hn::ShiftLeft<9>(w.wy));
+  const auto sum = hn::Add(hn::Add(upper, hn::Set(d, kSourceScale / 2)), product);
+  return hn::DemoteTo(CellBytes(), hn::ShiftRight<kSourceShift>(sum));
 }
 
 template <int kChannels>
-HWY_INLINE void rectify_channels(const cv::Mat& raw, const MeshRow& row, int y, int width,
-                                 std::uint8_t* out) {
-  const D32 d;
-  const hn::Rebind<std::uint8_t, D32> d8;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  // Four bytes are read at every pixel, so the last columns are left to the scalar twin.
-  const auto end_left = hn::Set(d, raw.cols - 3), end_top = hn::Set(d, raw.rows - 1);
-  int x = 0;
-  for (; x + lanes <= width; x += lanes) {
-    const Taps t = taps(row.columns().data(), x, y);
-    const auto least = hn::Min(t.left, t.top);
-    const auto inside = hn::And(hn::Gt(least, hn::Set(d, -1)),
-                                hn::And(hn::Lt(t.left, end_left), hn::Lt(t.top, end_top)));
-    if (HWY_UNLIKELY(!hn::AllTrue(d, inside))) {
-      rectify_pixels<kChannels>(raw, row, x, x + lanes, out);
-      continue;
-    }
-    if constexpr (kChannels == 1) {
-      hn::StoreU(hn::DemoteTo(d8, grey(t, raw)), d8, out + x);
-    } else {
-      std::array<std::int32_t, kMeshPitch> pixels;
-      hn::StoreU(color(t, raw), d, pixels.data());
-      for (int i = 0; i < lanes; ++i) {
-        std::memcpy(out + std::ptrdiff_t{3} * (x + i), &pixels[static_cast<std::size_t>(i)], 3);
-      }
-    }
-  }
-  rectify_pixels<kChannels>(raw, row, x, width, out);
-}
-
-void rectify_row(const cv::Mat& raw, const Mesh& mesh, int y, std::uint8_t* out) {
-  const MeshRow row(mesh, y);
-  if (raw.channels() == 1) {
-    rectify_channels<1>(raw, row, y, mesh.size.width, out);
+HWY_INLINE void rectify_cell(const std::uint8_t* raw, std::ptrdiff_t pitch, const Weights& w,
+                             std::uint8_t* out) {
+  const Bytes d;
+  if constexpr (kChannels == 1) {
+    const auto row0 = hn::LoadU(d, raw), row1 = hn::LoadU(d, raw + pitch);
+    hn::StoreU(interpolate(row0, row1, hn::LoadU(d, raw + 2 * pitch), w), CellBytes(), out);
   } else {
-    rectify_channels<3>(raw, row, y, mesh.size.width, out);
+    VBytes blue0, blue1, blue2, green0, green1, green2, red0, red1, red2;
+    hn::LoadInterleaved3(d, raw, blue0, green0, red0);
+    hn::LoadInterleaved3(d, raw + pitch, blue1, green1, red1);
+    hn::LoadInterleaved3(d, raw + 2 * pitch, blue2, green2, red2);
+    hn::StoreInterleaved3(interpolate(blue0, blue1, blue2, w),
+                          interpolate(green0, green1, green2, w), interpolate(red0, red1, red2, w),
+                          CellBytes(), out);
   }
 }
 
-using D16 = hn::Full128<std::int16_t>;  // a cell
-using V16 = hn::Vec<D16>;
-using Bytes = hn::Full128<std::uint8_t>;
-
-/// Eight means of two pixels each of one raw row, in 1/32: of the pixels `pairs` says, by wx.
-HWY_INLINE V16 means(const std::uint8_t* raw, hn::Vec<Bytes> pairs, V16 wx) {
-  const D16 d;
-  const hn::RebindToUnsigned<D16> du;
-  const auto both = hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(Bytes(), raw), pairs));
-  const auto a = hn::And(both, hn::Set(d, 0xFF));
-  const auto b = hn::BitCast(d, hn::ShiftRight<8>(hn::BitCast(du, both)));
-  return hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), wx));
-}
-
-int rectify_cells(const cv::Mat1b& raw, const SourceCell* cells, int count, std::uint8_t* out) {
-  const D16 d;
-  const hn::Half<Bytes> eight;
+/// Rectifies `count` cells of a row. Returns the number of those left out, as they are scattered.
+template <int kChannels>
+HWY_INLINE int rectify_channels(const cv::Mat& raw, const SourceCell* cells, int count,
+                                std::uint8_t* out) {
   const auto pitch = static_cast<std::ptrdiff_t>(raw.step[0]);
-  const auto unpack = [&](const std::uint8_t* from) {
-    return hn::PromoteTo(d, hn::LoadU(eight, from));
-  };
-  int left_out = 0;
-  for (int i = 0; i < count; ++i) {
+  int scattered = 0;
+  for (int i = 0; i < count; ++i, out += std::ptrdiff_t{kMeshPitch} * kChannels) {
     const SourceCell& cell = cells[i];
-    if (HWY_UNLIKELY(cell.offset < 0)) {
-      ++left_out;
+    if (HWY_UNLIKELY(cell.x == kScattered)) {
+      ++scattered;
       continue;
     }
-    // Bytes c and c + 1 for each pixel.
-    const auto pairs =
-        hn::Add(hn::Mul(unpack(cell.column), hn::Set(d, 0x0101)), hn::Set(d, 0x0100));
-    const auto wx = unpack(cell.wx), wy = unpack(cell.wy);
-    const std::uint8_t* from = raw.data + cell.offset;
-    const auto first = means(from, hn::BitCast(Bytes(), pairs), wx);
-    const auto middle = means(from + pitch, hn::BitCast(Bytes(), pairs), wx);
-    const auto last = means(from + 2 * pitch, hn::BitCast(Bytes(), pairs), wx);
-    const auto second = hn::Gt(wy, hn::Set(d, kSecondRow - 1));
-    const auto upper = hn::IfThenElse(second, middle, first);
-    const auto lower = hn::IfThenElse(second, last, middle);
-    // (32 upper + (lower - upper) wy + 512) >> 10, whose inner division by 32 floors as well: the
-    // product fits into 16 bits as the high half of 4 (lower - upper) 512 wy. The flag of wy falls
-    // off.
-    const auto product = hn::MulHigh(hn::ShiftLeft<2>(hn::Sub(lower, upper)), hn::ShiftLeft<9>(wy));
-    const auto sum = hn::Add(hn::Add(upper, hn::Set(d, kSourceScale / 2)), product);
-    hn::StoreU(hn::DemoteTo(eight, hn::ShiftRight<kSourceShift>(sum)), eight,
-               out + std::ptrdiff_t{kMeshPitch} * i);
+    const std::uint8_t* first = raw.data + cell.y * pitch + std::ptrdiff_t{cell.x} * kChannels;
+    rectify_cell<kChannels>(first, pitch, Weights(cell), out);
   }
-  return left_out;
+  return scattered;
+}
+
+int rectify_cells(const cv::Mat& raw, const SourceCell* cells, int count, std::uint8_t* out) {
+  return raw.channels() == 1 ? rectify_channels<1>(raw, cells, count, out)
+                             : rectify_channels<3>(raw, cells, count, out);
 }
 
 }  // namespace fpga_stereo::simd::HWY_NAMESPACE
@@ -180,16 +177,73 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace fpga_stereo::simd {
+namespace {
 
-HWY_EXPORT(rectify_row);
+HWY_EXPORT(source_cells);
 HWY_EXPORT(rectify_cells);
 
-void rectify_row(const cv::Mat& raw, const Mesh& mesh, int y, std::uint8_t* out) {
-  HWY_DYNAMIC_DISPATCH(rectify_row)(raw, mesh, y, out);
+bool is_equal(const Mesh& a, const Mesh& b) {
+  if (a.size != b.size || a.nodes.size() != b.nodes.size()) return false;
+  const std::size_t bytes = static_cast<std::size_t>(a.nodes.cols) * a.nodes.elemSize();
+  for (int y = 0; y < a.nodes.rows; ++y) {
+    if (std::memcmp(a.nodes[y], b.nodes[y], bytes) != 0) return false;
+  }
+  return true;
 }
 
-int rectify_cells(const cv::Mat1b& raw, const SourceCell* cells, int count, std::uint8_t* out) {
-  return HWY_DYNAMIC_DISPATCH(rectify_cells)(raw, cells, count, out);
+int cells_per_row(const Mesh& mesh) { return mesh.size.width / kMeshPitch; }
+
+/// Rectifies a row by its cells, and without SIMD the pixels of scattered cells and of the rest.
+void rectify_row(const cv::Mat& raw, const SourceCell* cells, const Mesh& mesh, int y,
+                 std::uint8_t* out) {
+  const int count = cells_per_row(mesh);
+  const int scattered = HWY_DYNAMIC_DISPATCH(rectify_cells)(raw, cells, count, out);
+  const int end = count * kMeshPitch;
+  if (scattered == 0 && end == mesh.size.width) return;
+  const MeshRow row(mesh, y);
+  const auto rectify_scalar = [&](int x0, int x1) {
+    raw.channels() == 1 ? rectify_pixels<1>(raw, row, x0, x1, out)
+                        : rectify_pixels<3>(raw, row, x0, x1, out);
+  };
+  for (int i = 0; scattered > 0 && i < count; ++i) {
+    if (cells[i].x == kScattered) rectify_scalar(i * kMeshPitch, (i + 1) * kMeshPitch);
+  }
+  rectify_scalar(end, mesh.size.width);
+}
+
+}  // namespace
+
+void SourceTable::create(const Mesh& mesh, cv::Size raw) {
+  if (raw == raw_ && is_equal(mesh, mesh_)) return;
+  mesh_ = {mesh.size, mesh.nodes.clone()};
+  raw_ = raw;
+  const int count = cells_per_row(mesh);
+  cells_.resize(static_cast<std::size_t>(count) * mesh.size.height);
+  for (int y = 0; y < mesh.size.height; ++y) {
+    SourceCell* cells = cells_.data() + static_cast<std::ptrdiff_t>(y) * count;
+    const MeshRow row(mesh, y);
+    HWY_DYNAMIC_DISPATCH(source_cells)(row.columns().data(), y, count, raw, cells);
+  }
+}
+
+const SourceCell* SourceTable::row(int y) const {
+  return cells_.data() + static_cast<std::ptrdiff_t>(y) * cells_per_row(mesh_);
+}
+
+void rectify(const cv::Mat& raw, const SourceTable& sources, cv::Range rows, cv::Mat& rectified) {
+  for (int y = rows.start; y < rows.end; ++y) {
+    rectify_row(raw, sources.row(y), sources.mesh(), y, rectified.ptr(y));
+  }
+}
+
+void rectify(const cv::Mat& raw, const Mesh& mesh, cv::Range rows, cv::Mat& rectified) {
+  const int count = cells_per_row(mesh);
+  std::vector<SourceCell> cells(static_cast<std::size_t>(count));
+  for (int y = rows.start; y < rows.end; ++y) {
+    const MeshRow row(mesh, y);
+    HWY_DYNAMIC_DISPATCH(source_cells)(row.columns().data(), y, count, raw.size(), cells.data());
+    rectify_row(raw, cells.data(), mesh, y, rectified.ptr(y));
+  }
 }
 
 }  // namespace fpga_stereo::simd

@@ -6,7 +6,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "core/simd/kernels.hpp"
+#include "core/simd/select.hpp"
+#include "core/simd/stages.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
@@ -18,54 +19,57 @@ using V16 = hn::Vec<D16>;
 using Block = hn::CappedTag<std::uint16_t, 8>;  // 128 bits
 using VBlock = hn::Vec<Block>;
 
-constexpr std::size_t kPixels = 8;  // that are worked on at a time
-constexpr std::uint16_t kMost = 0xFFFF;
+constexpr std::size_t kPixels = 8;  // processed at a time
+constexpr std::uint16_t kMaxSum = 0xFFFF;
 
-struct Smaller {
+struct Smallest {
   template <class V>
   HWY_INLINE V operator()(V a, V b) const {
     return hn::Min(a, b);
   }
 };
-struct Larger {
+struct Largest {
   template <class V>
   HWY_INLINE V operator()(V a, V b) const {
     return hn::Max(a, b);
   }
 };
 
-/// The smallest, or the largest, lane of every position in a block.
-template <class Of, class D>
+// In what follows, Extreme is Smallest or Largest.
+
+/// Returns for each position in a block the extreme of all blocks of `v`.
+template <class Extreme, class D>
 HWY_INLINE VBlock fold(D /*d*/, hn::Vec<D> v) {
   if constexpr (hn::MaxLanes(D()) <= 8) {
     return v;
   } else {
     const hn::Half<D> half;
-    return fold<Of>(half, Of()(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+    return fold<Extreme>(half, Extreme()(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
   }
 }
 
-/// Lanes of a and b in turns, each the smaller, or the larger, of two; in every block.
-template <class Of>
+/// In each block, returns lanes of `a` and `b` in turns, each the extreme of two lanes.
+template <class Extreme>
 HWY_INLINE V16 pair(V16 a, V16 b) {
   const D16 d;
-  return Of()(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
+  return Extreme()(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
 }
 
-/// Lane k is the smallest, or the largest, lane of pixels[k].
-template <class Of>
+/// Returns a block whose lane k is the extreme of all lanes of pixels[k].
+template <class Extreme>
 HWY_INLINE VBlock extreme(const std::array<V16, kPixels>& pixels) {
   const auto& p = pixels;
-  const V16 even = pair<Of>(pair<Of>(p[0], p[4]), pair<Of>(p[2], p[6]));
-  const V16 odd = pair<Of>(pair<Of>(p[1], p[5]), pair<Of>(p[3], p[7]));
-  return fold<Of>(D16(), pair<Of>(even, odd));
+  const V16 even = pair<Extreme>(pair<Extreme>(p[0], p[4]), pair<Extreme>(p[2], p[6]));
+  const V16 odd = pair<Extreme>(pair<Extreme>(p[1], p[5]), pair<Extreme>(p[3], p[7]));
+  return fold<Extreme>(D16(), pair<Extreme>(even, odd));
 }
 
-/// The sums from the winner + 2 down, by pixel -> by neighbour.
-HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const SelectedRow& out,
+/// Transposes and stores the sums of each winner's neighbours. pixels[k] has those of pixel x + k,
+/// from disparity dL + 2 down.
+HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const SelectionRow& out,
                              int x) {
   const Block d;
-  // Pixels that are 4, 2, 1 apart side by side: then all of one neighbour are.
+  // Interleaving pixels that are 4, 2 and 1 apart brings the sums of each neighbour together.
   const auto low = [&](VBlock a, VBlock b) { return hn::InterleaveLower(d, a, b); };
   const auto high = [&](VBlock a, VBlock b) { return hn::InterleaveUpper(d, a, b); };
   const auto& p = pixels;
@@ -82,169 +86,173 @@ HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const Se
   hn::StoreU(low(even_last, odd_last), d, out.around[0] + x);
 }
 
-/// Lanes, plus 1: 0 is none.
+/// Lane numbers + 1, so that 0 means no lane.
 constexpr auto kNumbers = [] {
   std::array<std::uint16_t, 256> values{};
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint16_t>(i + 1);
   return values;
 }();
-/// Where a winner in lane 256 and its neighbours are.
+/// kMaxSum at a winner in lane 256 and at its neighbours, to exclude them from the runners-up.
 constexpr auto kNeighbours = [] {
   std::array<std::uint16_t, 2 * 256 + kLaneGroup> values{};
-  for (const std::size_t i : {255U, 256U, 257U}) values[i] = kMost;
+  for (const std::size_t i : {255U, 256U, 257U}) values[i] = kMaxSum;
   return values;
 }();
 
-/// Pixels of a row, kPixels at a time, in three steps.
+/// Selects for left pixels, kPixels at a time, in three steps. kGroups lane groups per pixel; 0:
+/// the number is known at run time.
 template <int kGroups>
 struct SelectLeft {
-  const SumRing sums;
-  const SelectedRow out;
-  alignas(16) std::array<std::uint16_t, 2 * kPixels> ends{};  // of x: at x % (2 * kPixels)
+  const WindowSums sums;
+  const SelectionRow out;
+  // Lane of each winner + 1, for pixel x at x % (2 * kPixels).
+  alignas(16) std::array<std::uint16_t, 2 * kPixels> ends{};
 
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D16()));
-  HWY_INLINE int padded() const { return kGroups > 0 ? kGroups * kLaneGroup : sums.padded; }
+  HWY_INLINE int lanes() const { return kGroups > 0 ? kGroups * kLaneGroup : sums.lanes; }
 
   HWY_INLINE void winner_sums(int x) const {
     const D16 d;
     std::array<V16, kPixels> pixels;
-    const std::uint16_t* s = sums.row(x);
+    const std::uint16_t* s = sums.column(x);
     for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
       pixels[k] = hn::LoadU(d, s);
-      for (int i = kLanes; i < padded(); i += kLanes) {
+      for (int i = kLanes; i < lanes(); i += kLanes) {
         pixels[k] = hn::Min(pixels[k], hn::LoadU(d, s + i));
       }
     }
-    hn::StoreU(extreme<Smaller>(pixels), Block(), out.winner_sum + x);
+    hn::StoreU(extreme<Smallest>(pixels), Block(), out.winner_sum + x);
   }
 
-  /// The lowest disparities with these sums; their lanes, the last ones, + 1 go into `ends`.
+  /// Finds the lowest disparities with these sums: those in the last lanes.
   HWY_INLINE void winners(int x) {
     const D16 d;
     const Block block;
     const hn::Rebind<std::uint8_t, Block> bytes;
     std::array<V16, kPixels> pixels;
-    const std::uint16_t* s = sums.row(x);
+    const std::uint16_t* s = sums.column(x);
     for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
       const auto sum = hn::Set(d, out.winner_sum[x + static_cast<int>(k)]);
       pixels[k] = hn::Zero(d);
-      for (int i = 0; i < padded(); i += kLanes) {
+      for (int i = 0; i < lanes(); i += kLanes) {
         const auto number = hn::LoadU(d, &kNumbers[static_cast<std::size_t>(i)]);
         const auto wins = hn::Eq(hn::LoadU(d, s + i), sum);
         pixels[k] = hn::Max(pixels[k], hn::IfThenElseZero(wins, number));
       }
     }
-    const auto end = extreme<Larger>(pixels);
+    const auto end = extreme<Largest>(pixels);
     hn::Store(end, block, &ends[static_cast<std::size_t>(x) % ends.size()]);
-    const auto winner = hn::Sub(hn::Set(block, static_cast<std::uint16_t>(padded())), end);
+    const auto winner = hn::Sub(hn::Set(block, static_cast<std::uint16_t>(lanes())), end);
     const auto signed_winner = hn::BitCast(hn::RebindToSigned<Block>(), winner);
     hn::StoreU(hn::DemoteTo(bytes, signed_winner), bytes, out.winner + x);
   }
 
-  HWY_INLINE void rivals(int x) const {
+  HWY_INLINE void runners_up(int x) const {
     const D16 d;
     std::array<V16, kPixels> pixels;
     std::array<VBlock, kPixels> around;
     const std::uint16_t* end = &ends[static_cast<std::size_t>(x) % ends.size()];
-    const std::uint16_t* s = sums.row(x);
+    const std::uint16_t* s = sums.column(x);
     for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
       const std::uint16_t* neighbours = &kNeighbours[std::size_t{257} - end[k]];
       pixels[k] = hn::Or(hn::LoadU(d, s), hn::LoadU(d, neighbours));
-      for (int i = kLanes; i < padded(); i += kLanes) {
+      for (int i = kLanes; i < lanes(); i += kLanes) {
         const auto others = hn::Or(hn::LoadU(d, s + i), hn::LoadU(d, neighbours + i));
         pixels[k] = hn::Min(pixels[k], others);
       }
       around[k] = hn::LoadU(Block(), s + end[k] - 3);
     }
-    hn::StoreU(extreme<Smaller>(pixels), Block(), out.runner_up_sum + x);
+    hn::StoreU(extreme<Smallest>(pixels), Block(), out.runner_up_sum + x);
     store_around(around, out, x);
   }
 
-  /// Each step is for other pixels than the one before, for whose end it would wait.
-  HWY_INLINE void run(int x0, int x1) {
+  /// Software-pipelined: each step works on other pixels, to hide the latency of the horizontal
+  /// minimum of the step before it.
+  HWY_INLINE void run() {
     constexpr int kStep = static_cast<int>(kPixels);
-    for (int x = x0; x < x1 + 2 * kStep; x += kStep) {
-      if (x < x1) winner_sums(x);
-      if (x0 < x && x < x1 + kStep) winners(x - kStep);
-      if (x0 + kStep < x) rivals(x - 2 * kStep);
+    for (int x = sums.begin; x < sums.end + 2 * kStep; x += kStep) {
+      if (x < sums.end) winner_sums(x);
+      if (sums.begin < x && x < sums.end + kStep) winners(x - kStep);
+      if (sums.begin + kStep < x) runners_up(x - 2 * kStep);
     }
   }
 };
 
-void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
-  switch (sums.padded / kLaneGroup) {
+void select_left(const WindowSums& sums, const SelectionRow& out) {
+  switch (sums.lanes / kLaneGroup) {
     case 1:
-      return SelectLeft<1>{sums, out}.run(x0, x1);
+      return SelectLeft<1>{sums, out}.run();
     case 2:
-      return SelectLeft<2>{sums, out}.run(x0, x1);
+      return SelectLeft<2>{sums, out}.run();
     case 4:
-      return SelectLeft<4>{sums, out}.run(x0, x1);
+      return SelectLeft<4>{sums, out}.run();
     default:
-      return SelectLeft<0>{sums, out}.run(x0, x1);
+      return SelectLeft<0>{sums, out}.run();
   }
 }
 
 constexpr std::size_t kParts = kLaneGroup / hn::MaxLanes(D16());
 
-/// The running minimum of right pixels, and the left pixels that have it.
-struct Rightmost {
-  std::array<V16, kParts> least, partner;
+/// The smallest sums of kLaneGroup right pixels so far, and the left pixels that have them.
+struct RightMinimum {
+  std::array<V16, kParts> sum, partner;
 
-  Rightmost() {
-    least.fill(hn::Set(D16(), kMost));
+  RightMinimum() {
+    sum.fill(hn::Set(D16(), kMaxSum));
     partner.fill(hn::Zero(D16()));
   }
-  /// Left pixel `number` has these sums.
-  HWY_INLINE void see(const std::uint16_t* sum, V16 number) {
+  /// Considers the sums of left pixel `number`.
+  HWY_INLINE void add(const std::uint16_t* sums, V16 number) {
     const D16 d;
     for (std::size_t k = 0; k < kParts; ++k) {
-      const auto smaller = hn::Min(least[k], hn::LoadU(d, sum + k * hn::Lanes(d)));
-      partner[k] = hn::IfThenElse(hn::Eq(smaller, least[k]), partner[k], number);
-      least[k] = smaller;
+      const auto smaller = hn::Min(sum[k], hn::LoadU(d, sums + k * hn::Lanes(d)));
+      partner[k] = hn::IfThenElse(hn::Eq(smaller, sum[k]), partner[k], number);
+      sum[k] = smaller;
     }
   }
-  /// What another one has seen; of equal sums the left pixel further left.
-  HWY_INLINE void join(const Rightmost& other) {
+  /// Considers what `other` found. Of equal sums, the left pixel further left wins.
+  HWY_INLINE void merge(const RightMinimum& other) {
     for (std::size_t k = 0; k < kParts; ++k) {
-      const auto smaller = hn::Min(least[k], other.least[k]);
+      const auto smaller = hn::Min(sum[k], other.sum[k]);
       const auto first = hn::Min(partner[k], other.partner[k]);
-      const auto here = hn::Eq(smaller, least[k]), there = hn::Eq(smaller, other.least[k]);
+      const auto here = hn::Eq(smaller, sum[k]), there = hn::Eq(smaller, other.sum[k]);
       const auto one = hn::IfThenElse(here, partner[k], other.partner[k]);
       partner[k] = hn::IfThenElse(hn::And(here, there), first, one);
-      least[k] = smaller;
+      sum[k] = smaller;
     }
   }
 };
 
-/// Left pixels x .. end - 1, whose rows follow one another; lane 0 is right pixel `first`. Every
-/// other one is for `odd`: then none waits for the one before.
-HWY_INLINE void see_partners(const SumRing& sums, int first, int x, int end, Rightmost& even,
-                             Rightmost& odd) {
+/// Considers left pixels x .. end - 1 as partners of the right pixels from `first` on. The ring
+/// must not wrap between them. `even` and `odd` take turns: two chains that do not wait for each
+/// other.
+HWY_INLINE void add_partners(const WindowSums& sums, int first, int x, int end, RightMinimum& even,
+                             RightMinimum& odd) {
   const D16 d;
-  // Left pixel x is the partner of right pixels x - range + 1 .. x, and 0xFFFF for the others.
-  const std::uint16_t* sum = sums.row(x) + (first - x + sums.padded - 1);
+  // Left pixel x is a partner of right pixels x - range + 1 .. x; for others its sum is kMaxSum.
+  const std::uint16_t* sum = sums.column(x) + (first - x + sums.lanes - 1);
   const std::ptrdiff_t step = sums.pitch - 1;
   auto number = hn::Set(d, static_cast<std::uint16_t>(x));
   const auto one = hn::Set(d, std::uint16_t{1});
   for (; x < end - 1; x += 2, sum += 2 * step) {
     const auto next = hn::Add(number, one);
-    even.see(sum, number);
-    odd.see(sum + step, next);
+    even.add(sum, number);
+    odd.add(sum + step, next);
     number = hn::Add(next, one);
   }
-  if (x < end) even.see(sum, number);
+  if (x < end) even.add(sum, number);
 }
 
-void select_right(const SumRing& sums, int x0, int width, std::uint8_t* right_winner) {
+void select_right(const WindowSums& sums, int x0, std::uint8_t* right_winner) {
   const D16 d;
   const hn::Rebind<std::uint8_t, D16> d8;
   const hn::RebindToSigned<D16> d16s;
-  const int end = std::min(x0 + kLaneGroup + sums.range - 1, width);
-  const int wrap = (x0 | sums.mask) + 1;  // there the ring begins anew
-  Rightmost best, odd;
-  see_partners(sums, x0, x0, std::min(end, wrap), best, odd);
-  if (wrap < end) see_partners(sums, x0, wrap, end, best, odd);
-  best.join(odd);
+  const int end = std::min(x0 + kLaneGroup + sums.range - 1, sums.width);
+  const int wrap = (x0 | sums.mask) + 1;  // the ring wraps here
+  RightMinimum best, odd;
+  add_partners(sums, x0, x0, std::min(end, wrap), best, odd);
+  if (wrap < end) add_partners(sums, x0, wrap, end, best, odd);
+  best.merge(odd);
   for (std::size_t k = 0; k < kParts; ++k) {
     const int first = x0 + static_cast<int>(k * hn::Lanes(d));
     const auto disparity = hn::Sub(best.partner[k], hn::Iota(d, static_cast<std::uint16_t>(first)));
@@ -262,11 +270,24 @@ namespace fpga_stereo::simd {
 HWY_EXPORT(select_left);
 HWY_EXPORT(select_right);
 
-void select_left(const SumRing& sums, int x0, int x1, const SelectedRow& out) {
-  HWY_DYNAMIC_DISPATCH(select_left)(sums, x0, x1, out);
+void select_left(const WindowSums& sums, const SelectionRow& out) {
+  HWY_DYNAMIC_DISPATCH(select_left)(sums, out);
 }
-void select_right(const SumRing& sums, int x0, int width, std::uint8_t* right_winner) {
-  HWY_DYNAMIC_DISPATCH(select_right)(sums, x0, width, right_winner);
+void select_right(const WindowSums& sums, int x0, std::uint8_t* right_winner) {
+  HWY_DYNAMIC_DISPATCH(select_right)(sums, x0, right_winner);
+}
+
+void select(const WindowSums& sums, const SelectionRow& out) {
+  select_left(sums, out);
+  // Right pixels in whole lane groups of which all left partners are to the left of column x.
+  const auto complete = [&](int x) {
+    if (x == sums.width) return sums.width;
+    return std::max(0, x - sums.range + 1) / kLaneGroup * kLaneGroup;
+  };
+  const int end = complete(sums.end);
+  for (int x = complete(sums.begin); x < end; x += kLaneGroup) {
+    select_right(sums, x, out.right_winner);
+  }
 }
 
 }  // namespace fpga_stereo::simd

@@ -1,0 +1,45 @@
+// The pipeline on SIMD instructions: runs the stages of stages.hpp over bands of rows.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/simd/stages.hpp"
+#include "fpga_stereo/core/pipeline.hpp"
+
+namespace fpga_stereo::simd {
+
+class Pipeline {
+ public:
+  /// See fpga_stereo::Pipeline. The images of `out` belong to this object and are valid until the
+  /// next call.
+  void process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
+               const StereoRectification& rectification, const Parameters& p, int num_threads,
+               DisparityFrame& out);
+
+ private:
+  struct Camera {
+    SourceTable sources;
+    CensusImage rectified;
+    CensusPlanes bits;
+  };
+  /// What a thread needs for its band of rows.
+  struct Band {
+    Match match;
+    SelectionBuffer selection;
+    std::vector<std::uint8_t> kept;
+    StageTimes ms{};  // of the rows that are timed
+  };
+
+  void create(cv::Size size, const Parameters& p, int num_threads);
+  void match_to_subpixel(const Parameters& p, cv::Range rows, Band& band);
+  void share_time(double wall, StageTimes& ms) const;
+
+  Camera left_, right_;
+  std::vector<Band> bands_;
+  DisparityImage disparity_;
+  SpeckleFilter speckle_;
+};
+
+}  // namespace fpga_stereo::simd

@@ -1,0 +1,39 @@
+// rectify: where the pixels of a rectified image come from, in the form that is fetched fastest.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "fpga_stereo/core/mesh.hpp"
+
+namespace fpga_stereo::simd {
+
+/// The sources of the eight rectified pixels of one mesh cell. Maps are smooth, so these lie within
+/// 16 columns and 3 rows of the raw image, of which each pixel reads 2 x 2.
+struct SourceCell {
+  std::int16_t x, y;                // raw pixel at the top left; x = kScattered: they do not
+  std::uint8_t column[kMeshPitch];  // left column that a pixel reads, 0 .. 14 from x
+  std::uint8_t wx[kMeshPitch];      // weight of the right column, 1/32
+  std::uint8_t wy[kMeshPitch];      // weight of the lower row, 1/32, + kSecondRow if that is row 2
+};
+constexpr std::int16_t kScattered = -1;
+constexpr std::uint8_t kSecondRow = 0x80;
+
+/// The source cells of an image, for a mesh and a raw image size that many frames share.
+class SourceTable {
+ public:
+  /// Computes the cells. Does nothing if mesh and size are those of the previous call.
+  void create(const Mesh& mesh, cv::Size raw);
+
+  const Mesh& mesh() const { return mesh_; }
+  /// The width / 8 cells of row `y`; pixels to the right of the last whole cell have none.
+  const SourceCell* row(int y) const;
+
+ private:
+  Mesh mesh_;
+  cv::Size raw_;
+  std::vector<SourceCell> cells_;
+};
+
+}  // namespace fpga_stereo::simd

@@ -1,0 +1,91 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/simd/subpixel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "core/simd/stages.hpp"
+#include "fpga_stereo/core/spec.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace fpga_stereo::simd::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D32 = hn::CappedTag<std::int32_t, 16>;
+using V32 = hn::Vec<D32>;
+using From8 = hn::Rebind<std::uint8_t, D32>;
+using From16 = hn::Rebind<std::uint16_t, D32>;
+
+HWY_INLINE V32 load(const std::uint8_t* from) {
+  return hn::PromoteTo(D32(), hn::LoadU(From8(), from));
+}
+HWY_INLINE V32 load(const std::uint16_t* from) {
+  return hn::PromoteTo(D32(), hn::LoadU(From16(), from));
+}
+
+/// Computes vertex() of the scalar twin. The quotient is bounded to kDisparityScale + 1, so its
+/// float approximation is off by 1 at most, which the remainder corrects.
+HWY_INLINE V32 vertex(const SelectionRow& s, int x) {
+  const D32 d;
+  const hn::RebindToFloat<D32> df;
+  const auto c0 = load(s.around[0] + x), c1 = load(s.around[1] + x), c2 = load(s.around[2] + x);
+  const auto c3 = load(s.around[3] + x), c4 = load(s.around[4] + x);
+  const auto twice = [](V32 v) { return hn::Add(v, v); };
+  const auto num = hn::Sub(hn::Add(twice(hn::Sub(c0, c4)), c1), c3);
+  const auto den = hn::Sub(twice(hn::Sub(hn::Add(c0, c4), c2)), hn::Add(c1, c3));
+  const auto a = hn::Mul(hn::Abs(num), hn::Set(d, kDisparityScale * kSubpixelNumerator));
+  const auto b = hn::Mul(den, hn::Set(d, kSubpixelDenominator));
+  const auto dividend = hn::Add(twice(a), b), divisor = twice(b);
+  const auto valid = hn::Gt(den, hn::Zero(d));
+  const auto one = hn::Set(d, 1);
+  const auto safe = hn::IfThenElse(valid, divisor, one);
+  const auto max = hn::Set(d, kDisparityScale);
+  const auto ratio = hn::Div(hn::ConvertTo(df, dividend), hn::ConvertTo(df, safe));
+  const auto bounded = hn::Min(ratio, hn::Set(df, static_cast<float>(kDisparityScale + 1)));
+  auto quotient = hn::ConvertTo(d, bounded);
+  const auto rest = hn::Sub(dividend, hn::Mul(quotient, safe));
+  quotient = hn::IfThenElse(hn::Lt(rest, hn::Zero(d)), hn::Sub(quotient, one), quotient);
+  quotient = hn::IfThenElse(hn::Gt(rest, hn::Sub(safe, one)), hn::Add(quotient, one), quotient);
+  quotient = hn::Min(quotient, max);
+  const auto offset = hn::IfThenElse(hn::Lt(num, hn::Zero(d)), hn::Neg(quotient), quotient);
+  return hn::IfThenElseZero(valid, offset);
+}
+
+void subpixel(const SelectionRow& s, const std::uint8_t* kept, const Parameters& p,
+              std::uint16_t* disparity) {
+  const D32 d;
+  const int width = s.width, range = p.disparity_range;
+  const bool refine = p.subpixel;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto zero = hn::Zero(d);
+  const auto first = hn::Set(d, 1), end = hn::Set(d, range - 2);
+  const auto max = hn::Set(d, (range - 1) * kDisparityScale);
+  const auto none = hn::Set(d, static_cast<std::int32_t>(kNoDisparity));
+  for (int x = 0; x < width; x += lanes) {
+    const auto winner = load(s.winner + x);
+    auto value = hn::Mul(winner, hn::Set(d, kDisparityScale));
+    if (refine) {
+      const auto is_inner = hn::And(hn::Gt(winner, first), hn::Lt(winner, end));
+      value = hn::Add(value, hn::IfThenElseZero(is_inner, vertex(s, x)));
+    }
+    value = hn::Min(hn::Max(value, zero), max);
+    value = hn::IfThenElse(hn::Eq(load(kept + x), zero), none, value);
+    hn::StoreU(hn::DemoteTo(From16(), value), From16(), disparity + x);
+  }
+}
+
+}  // namespace fpga_stereo::simd::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace fpga_stereo::simd {
+
+HWY_EXPORT(subpixel);
+
+void subpixel(const SelectionRow& s, const std::uint8_t* kept, const Parameters& p,
+              std::uint16_t* disparity) {
+  HWY_DYNAMIC_DISPATCH(subpixel)(s, kept, p, disparity);
+}
+
+}  // namespace fpga_stereo::simd
+#endif
