@@ -1,5 +1,5 @@
-// The port `config_i` of the stages, and `config_o` of fs_registers, as models have them: the
-// configuration registers side by side, one word each.
+// Accesses the ports `config_i` of the stages and `config_o` of fs_registers in Verilated models.
+// Both hold the configuration registers side by side, one word each.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace fpga_stereo::test {
 
-/// Returns the word of a configuration register in the port.
+/// Returns the index of a configuration register's word in the port.
 inline int config_word(std::uint32_t address) {
   return static_cast<int>(address - spec::kRegWidth);
 }
