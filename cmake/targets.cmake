@@ -20,7 +20,8 @@ endfunction()
 # headers. Headers of other packages are SYSTEM, because their warnings are not ours to fix.
 function(fpga_stereo_ros_target target)
   fpga_stereo_target(${target})
-  target_include_directories(${target} SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+  target_include_directories(${target} SYSTEM PUBLIC
+    ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_INCLUDE_DESTINATION} ${catkin_INCLUDE_DIRS})
   add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 endfunction()
 
