@@ -19,15 +19,15 @@
 //           configuration takes effect between two frames.
 // Limits    see the stages.
 module fs_top #(
-  parameter int MaxWidth = 640,
-  parameter int Disparities = 64,
-  parameter int CensusWindow = 11,
-  parameter int CorrelationWindow = 15,
+  parameter int MaxWidth = fs_pkg::DefaultMaxWidth,
+  parameter int Disparities = fs_pkg::DefaultDisparities,
+  parameter int CensusWindow = fs_pkg::DefaultCensusWindow,
+  parameter int CorrelationWindow = fs_pkg::DefaultCorrelationWindow,
   parameter int CensusFull = 0,
-  parameter int LineRows = 102,    // rows of the line buffer
-  parameter int MeshNodes = 5120,  // nodes of one mesh
-  parameter int Primitives = 0,    // 0: behavioural arithmetic, 1: carry chains of the ECP5
-  parameter int MaxFrames = 64,    // maximum frames in flight; a further one waits
+  parameter int LineRows = fs_pkg::DefaultLineRows,    // rows of the line buffer
+  parameter int MeshNodes = fs_pkg::DefaultMeshNodes,  // nodes of one mesh
+  parameter int Primitives = 0,  // 0: behavioural arithmetic, 1: carry chains of the ECP5
+  parameter int MaxFrames = 64,  // maximum frames in flight; a further one waits
   localparam int Reach = CensusFull != 0 ? CensusWindow / 2 : CensusWindow / 4 * 2,
   localparam int Side = CensusFull != 0 ? CensusWindow : Reach + 1,
   localparam int CensusBits = Side * Side - 1,

@@ -1,40 +1,37 @@
 #include "fpga_stereo/core/gateware_configuration.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <iomanip>
-#include <sstream>
 
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo {
 namespace {
 
-template <class... Parts>
-Error refusal(ErrorKind kind, const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  return {kind, text.str()};
-}
-
-template <class Value>
-Status check_same(const char* name, const Value& wanted, const Value& built) {
-  if (wanted == built) return {};
-  return refusal(ErrorKind::kInvalid, name, " = ", wanted, ": this gateware is built for ", built,
-                 " only");
+/// Refuses the first parameter that has another value than the one that the gateware is built for.
+Status check_parameters(const GatewareBuild& build, const Parameters& parameters) {
+  const Parameters built = parameters_of(build);
+  for (const ParameterInfo& info : parameter_table()) {
+    const std::string wanted = to_text(parameters, info), have = to_text(built, info);
+    if (!info.is_fixed_by_build || wanted == have) continue;
+    return Error{ErrorKind::kInvalid, fmt::format("{} = {}: this gateware is built for {} only",
+                                                  info.name, wanted, have)};
+  }
+  return {};
 }
 
 Status check_range(const char* name, int value, int min, int max) {
   if (value >= min && value <= max) return {};
-  return refusal(ErrorKind::kImageSize, name, " = ", value, ": this gateware allows ", min, " to ",
-                 max);
+  return Error{ErrorKind::kImageSize,
+               fmt::format("{} = {}: this gateware allows {} to {}", name, value, min, max)};
 }
 
-/// What a camera needs of the line buffer of a gateware if reading starts at `start`.
+/// Returns what a camera needs of the gateware's line buffer if reading starts at `start`.
 LineBufferNeed gateware_need(const CameraRectification& camera, std::int64_t start) {
   LineBufferNeed need = camera.line_buffer;
   const int width = camera.mesh.size.width;
-  // What is read later is kept longer, and the row that is being written holds pixels of two rows
-  // of the image.
+  // A later start keeps rows longer, and the row being written holds pixels of two image rows.
   need.rows += static_cast<int>((start - need.read_start + width - 1) / width) + 1;
   need.rows_below = std::max(need.rows_below, static_cast<int>((start - 1) / width));
   return need;
@@ -56,28 +53,22 @@ int GatewareBuild::min_width() const { return std::max(kGatewareMinWidth, correl
 
 GatewareBuild GatewareBuild::from_registers(std::uint32_t build, std::uint32_t line_rows,
                                             std::uint32_t mesh_nodes) {
-  const auto field = [build](spec::Field f) { return static_cast<int>(f.get(build)); };
+  Parameters parameters;
+  set_parameters(parameters, spec::kRegBuild, build);
   GatewareBuild made;
-  made.max_width = field(spec::kBuildMaxWidth);
-  made.disparities = field(spec::kBuildDisparities);
-  if (made.disparities == 0) made.disparities = 1 << spec::kBuildDisparities.bits;
-  made.census_window = field(spec::kBuildCensusWindow);
-  made.correlation_window = field(spec::kBuildCorrelationWindow);
-  made.census_pattern =
-      field(spec::kBuildCensusFull) != 0 ? CensusPattern::kFull : CensusPattern::kSparse;
+  made.max_width = static_cast<int>(spec::kBuildMaxWidth.get(build));
+  made.disparities = parameters.disparity_range;
+  made.census_window = parameters.census_window_size;
+  made.correlation_window = parameters.correlation_window_size;
+  made.census_pattern = parameters.census_pattern;
   made.line_rows = static_cast<int>(line_rows);
   made.mesh_nodes = static_cast<int>(mesh_nodes);
   return made;
 }
 
 std::uint32_t GatewareBuild::build_register() const {
-  const auto put = [](spec::Field f, int value) {
-    return f.put(static_cast<std::uint32_t>(value));
-  };
-  return put(spec::kBuildMaxWidth, max_width) | put(spec::kBuildDisparities, disparities) |
-         put(spec::kBuildCensusWindow, census_window) |
-         put(spec::kBuildCorrelationWindow, correlation_window) |
-         put(spec::kBuildCensusFull, census_pattern == CensusPattern::kFull ? 1 : 0);
+  return spec::kBuildMaxWidth.put(static_cast<std::uint32_t>(max_width)) |
+         build_fields(parameters_of(*this));
 }
 
 bool GatewareBuild::operator==(const GatewareBuild& other) const {
@@ -94,23 +85,7 @@ Parameters parameters_of(const GatewareBuild& build) {
   return parameters;
 }
 
-std::vector<RegisterWrite> parameter_registers(const Parameters& p) {
-  return {
-      {spec::kRegFlags, spec::kFlagsLeftRightCheck.put(p.left_right_check) |
-                            spec::kFlagsUniquenessCheck.put(p.uniqueness_check) |
-                            spec::kFlagsSubpixel.put(p.subpixel)},
-      {spec::kRegDisp12MaxDiff, spec::kDisp12MaxDiffPixels.put(p.disp12MaxDiff)},
-      {spec::kRegUniqueness, spec::kUniquenessFactor.put(uniqueness_factor(p))},
-      {spec::kRegSpeckleSize, spec::kSpeckleSizePixels.put(p.speckle_size)},
-      {spec::kRegSpeckleRange, spec::kSpeckleRangeUnits.put(p.speckle_range * kDisparityScale)},
-  };
-}
-
-std::string hex(std::uint32_t value) {
-  std::ostringstream text;
-  text << "0x" << std::uppercase << std::hex << std::setw(8) << std::setfill('0') << value;
-  return text.str();
-}
+std::string hex(std::uint32_t value) { return fmt::format("0x{:08X}", value); }
 
 std::int64_t read_start(const StereoRectification& rectification) {
   constexpr int kBilinear = 2;  // px right of where the lower pair of taps begins
@@ -129,10 +104,7 @@ Status check_build(const GatewareBuild& build, const Parameters& p, const Stereo
   const cv::Size nodes = Mesh::node_count(size);
   const std::int64_t start = read_start(r);
   const Status checks[]{
-      check_same("disparity_range", p.disparity_range, build.disparities),
-      check_same("census_window_size", p.census_window_size, build.census_window),
-      check_same("census_pattern", to_text(p.census_pattern), to_text(build.census_pattern)),
-      check_same("correlation_window_size", p.correlation_window_size, build.correlation_window),
+      check_parameters(build, p),
       check_range("image width", size.width, build.min_width(), build.max_width),
       check_range("image height", size.height, 1, kGatewareMaxHeight),
       check_range("nodes of a mesh", nodes.area(), 1, build.mesh_nodes),

@@ -1,119 +1,82 @@
 #include "fpga_stereo/core/parameters.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <type_traits>
 
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo {
 namespace {
 
-constexpr const char* kSparseName = "sparse";
-constexpr const char* kFullName = "full";
-
-ParameterInfo integer(std::string name, int Parameters::*member, int min, int max, int step,
-                      std::string unit, std::string about) {
-  return {std::move(name), member,          double(min), double(max), step,
-          std::move(unit), std::move(about)};
-}
-
-ParameterInfo flag(std::string name, bool Parameters::*member, std::string about) {
-  return {std::move(name), member, 0, 1, 1, "", std::move(about)};
-}
-
-/// Text without trailing zeros: 33, 0.5.
+/// Returns a number as text without trailing zeros: 33, 0.5.
 std::string number(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
 }
 
+/// Reads a value from text and returns true, or returns false if the text is not a value of its
+/// type.
 template <class T>
-bool parse(const std::string& text, T& value) {
-  std::istringstream stream(text);
-  return stream >> std::noskipws >> value && stream.eof();
+bool parse(const ParameterInfo& info, const std::string& text, T& value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    value = text == "true" || text == "1";
+    return value || text == "false" || text == "0";
+  } else if constexpr (std::is_enum_v<T>) {
+    const auto found = std::find(info.choices.begin(), info.choices.end(), text);
+    value = static_cast<T>(found - info.choices.begin());
+    return found != info.choices.end();
+  } else {
+    std::istringstream stream(text);
+    return stream >> std::noskipws >> value && stream.eof();
+  }
 }
 
-bool parse(const std::string& text, bool& value) {
-  value = text == "true" || text == "1";
-  return value || text == "false" || text == "0";
+template <class T>
+bool is_in_range(const ParameterInfo& info, T value) {
+  if constexpr (std::is_same_v<T, int>) {
+    const int min = static_cast<int>(info.min);
+    return value >= min && value <= static_cast<int>(info.max) && (value - min) % info.step == 0;
+  } else if constexpr (std::is_same_v<T, double>) {
+    return value >= info.min && value <= info.max;  // false for NaN
+  } else {
+    return true;
+  }
 }
-
-bool parse(const std::string& text, CensusPattern& value) {
-  value = text == kFullName ? CensusPattern::kFull : CensusPattern::kSparse;
-  return text == kFullName || text == kSparseName;
-}
-
-bool in_range(const ParameterInfo& info, double value) {
-  return value >= info.min && value <= info.max;  // false for NaN
-}
-
-bool in_range(const ParameterInfo& info, int value) {
-  const int min = static_cast<int>(info.min);
-  return value >= min && value <= static_cast<int>(info.max) && (value - min) % info.step == 0;
-}
-
-bool in_range(const ParameterInfo& /*info*/, bool /*value*/) { return true; }
-bool in_range(const ParameterInfo& /*info*/, CensusPattern /*value*/) { return true; }
 
 Error refusal(const ParameterInfo& info, const std::string& text) {
-  return {ErrorKind::kInvalid, info.name + " = " + text + ": allowed " + allowed_values(info)};
+  return {ErrorKind::kInvalid,
+          fmt::format("{} = {}: allowed {}", info.name, text, allowed_values(info))};
 }
 
 }  // namespace
 
-const std::vector<ParameterInfo>& parameter_table() {
-  using P = Parameters;
-  static const std::vector<ParameterInfo> table{
-      integer("min_disparity", &P::min_disparity, -128, 128, 1, "px",
-              "smallest disparity searched; moves the search towards the camera"),
-      integer("disparity_range", &P::disparity_range, 8, 256, 4, "px",
-              "number of disparities searched"),
-      integer("census_window_size", &P::census_window_size, 5, 11, 2, "px",
-              "side of the census window, odd"),
-      {"census_pattern", &P::census_pattern, 0, 1, 1, "",
-       "neighbours compared: sparse (even offsets) or full (the paper's)"},
-      integer("correlation_window_size", &P::correlation_window_size, 5, 21, 2, "px",
-              "side of the window that sums are taken over, odd"),
-      flag("left_right_check", &P::left_right_check,
-           "drop pixels on which the search from the right image disagrees"),
-      integer("disp12MaxDiff", &P::disp12MaxDiff, 0, 128, 1, "px",
-              "largest difference that left_right_check allows"),
-      flag("uniqueness_check", &P::uniqueness_check,
-           "drop pixels whose best match is not clearly better than its rivals"),
-      {"uniqueness_ratio", &P::uniqueness_ratio, 0, 100, 1, "percent",
-       "how much worse every rival must be"},
-      flag("subpixel", &P::subpixel, "refine to 1/32 px; otherwise whole pixels"),
-      integer("speckle_size", &P::speckle_size, 0, kSpeckleMax, 1, "px",
-              "regions of fewer pixels are dropped; 0 switches this off"),
-      integer("speckle_range", &P::speckle_range, 0, 31, 1, "px",
-              "largest step between neighbours of one region"),
-  };
-  return table;
-}
-
 std::string allowed_values(const ParameterInfo& info) {
   if (std::holds_alternative<bool Parameters::*>(info.member)) return "true or false";
-  if (std::holds_alternative<CensusPattern Parameters::*>(info.member)) {
-    return std::string(kSparseName) + " or " + kFullName;
-  }
+  if (!info.choices.empty()) return fmt::format("{}", fmt::join(info.choices, " or "));
   std::string text = number(info.min) + " to " + number(info.max);
   if (info.step > 1) text += " in steps of " + std::to_string(info.step);
   return text;
 }
 
-std::string to_text(CensusPattern pattern) {
-  return pattern == CensusPattern::kFull ? kFullName : kSparseName;
-}
-
 std::string to_text(const Parameters& parameters, const ParameterInfo& info) {
-  struct Writer {
-    std::string operator()(int value) const { return std::to_string(value); }
-    std::string operator()(double value) const { return number(value); }
-    std::string operator()(bool value) const { return value ? "true" : "false"; }
-    std::string operator()(CensusPattern value) const { return to_text(value); }
+  const auto text = [](auto value) -> std::string {
+    using T = decltype(value);
+    if constexpr (std::is_same_v<T, bool>) {
+      return value ? "true" : "false";
+    } else if constexpr (std::is_enum_v<T>) {
+      return to_text(value);
+    } else if constexpr (std::is_same_v<T, int>) {
+      return std::to_string(value);
+    } else {
+      return number(value);
+    }
   };
-  return std::visit([&](auto member) { return Writer{}(parameters.*member); }, info.member);
+  return std::visit([&](auto member) { return text(parameters.*member); }, info.member);
 }
 
 Status set_parameter(Parameters& parameters, const std::string& name, const std::string& text) {
@@ -122,7 +85,7 @@ Status set_parameter(Parameters& parameters, const std::string& name, const std:
     const bool accepted = std::visit(
         [&](auto member) {
           auto value = parameters.*member;
-          if (!parse(text, value) || !in_range(info, value)) return false;
+          if (!parse(info, text, value) || !is_in_range(info, value)) return false;
           parameters.*member = value;
           return true;
         },
@@ -132,17 +95,22 @@ Status set_parameter(Parameters& parameters, const std::string& name, const std:
   }
   std::string names;
   for (const ParameterInfo& info : parameter_table()) names += " " + info.name;
-  return Error{ErrorKind::kInvalid, "unknown parameter \"" + name + "\": known are" + names};
+  return Error{ErrorKind::kInvalid,
+               fmt::format("unknown parameter \"{}\": the parameters are{}", name, names)};
 }
 
 int uniqueness_factor(const Parameters& parameters) {
   return static_cast<int>(std::lround(kUniquenessScale * (1 + parameters.uniqueness_ratio / 100)));
 }
 
+double uniqueness_ratio_of(int factor) {
+  return 100.0 * (factor - kUniquenessScale) / kUniquenessScale;
+}
+
 Status validate(const Parameters& parameters) {
   for (const ParameterInfo& info : parameter_table()) {
     const bool accepted =
-        std::visit([&](auto member) { return in_range(info, parameters.*member); }, info.member);
+        std::visit([&](auto member) { return is_in_range(info, parameters.*member); }, info.member);
     if (!accepted) return refusal(info, to_text(parameters, info));
   }
   return {};

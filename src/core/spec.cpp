@@ -7,103 +7,103 @@ const std::vector<Register>& register_table() {
   // clang-format off
   static const std::vector<Register> table{
       {"IDENTITY", kRegIdentity, Access::kReadOnly, kRegIdentityReset,
-       "\"FST1\", F in the top byte", {
+       "\"FST1\", with F in the top byte", {
        }},
       {"SPEC_HASH", kRegSpecHash, Access::kReadOnly, kRegSpecHashReset,
-       "of the specification that the gateware was made from", {
+       "hash of the specification that the gateware was built from", {
        }},
       {"VERSION", kRegVersion, Access::kReadOnly, kRegVersionReset,
-       "of protocol and gateware", {
-           {"major", kVersionMajor, "", "counts changes that break"},
-           {"minor", kVersionMinor, "", "counts the others"},
+       "version of protocol and gateware", {
+           {"major", kVersionMajor, "", "incompatible changes"},
+           {"minor", kVersionMinor, "", "compatible changes"},
        }},
       {"BUILD", kRegBuild, Access::kReadOnly, {},
        "build parameters", {
-           {"max_width", kBuildMaxWidth, "", "px, largest WIDTH"},
+           {"max_width", kBuildMaxWidth, "", "largest WIDTH, px"},
            {"disparities", kBuildDisparities, "disparity_range", "0 means 256"},
-           {"census_window", kBuildCensusWindow, "census_window_size", "px"},
-           {"correlation_window", kBuildCorrelationWindow, "correlation_window_size", "px"},
+           {"census_window", kBuildCensusWindow, "census_window_size", "side, px"},
+           {"correlation_window", kBuildCorrelationWindow, "correlation_window_size", "side, px"},
            {"census_full", kBuildCensusFull, "census_pattern", "1 full, 0 sparse"},
        }},
       {"BUILD_LINE_ROWS", kRegBuildLineRows, Access::kReadOnly, {},
-       "rows of the line buffer of rectify", {
+       "rows of each line buffer of rectify", {
        }},
       {"BUILD_MESH_NODES", kRegBuildMeshNodes, Access::kReadOnly, {},
        "nodes that one mesh may have", {
        }},
       {"CONTROL", kRegControl, Access::kWriteOnly, kRegControlReset,
        "commands", {
-           {"apply", kControlApply, "", "1: the shadow takes effect at the next frame"},
-           {"clear", kControlClear, "", "1: counters and errors become 0"},
+           {"apply", kControlApply, "", "1 makes the shadow take effect at the next frame"},
+           {"clear", kControlClear, "", "1 sets counters and errors to 0"},
        }},
       {"STATUS", kRegStatus, Access::kReadOnly, kRegStatusReset,
-       "now", {
-           {"pending", kStatusPending, "", "an apply waits for a frame to start"},
-           {"busy", kStatusBusy, "", "a frame is under way"},
-           {"bank", kStatusBank, "", "bank of meshes in use; the other is the shadow"},
+       "present state", {
+           {"pending", kStatusPending, "", "an apply waits for the next frame to start"},
+           {"busy", kStatusBusy, "", "a frame is in flight"},
+           {"bank", kStatusBank, "", "bank of meshes in use; the other bank is the shadow"},
        }},
       {"ERRORS", kRegErrors, Access::kWriteOneToClear, kRegErrorsReset,
-       "what has gone wrong", {
-           {"cut_frame", kErrorsCutFrame, "", "a frame started before another had all its pixels"},
-           {"long_frame", kErrorsLongFrame, "", "pixels came after the last one of a frame"},
-           {"buffer_left", kErrorsBufferLeft, "", "rectify read what is not in the left buffer"},
-           {"buffer_right", kErrorsBufferRight, "", "rectify read what is not in the right buffer"},
-           {"config", kErrorsConfig, "", "apply refused: WIDTH, HEIGHT or READ_START out of range"},
+       "errors since they were last cleared", {
+           {"cut_frame", kErrorsCutFrame, "", "a frame started before the previous one had all its pixels"},
+           {"long_frame", kErrorsLongFrame, "", "pixels arrived after the last one of a frame"},
+           {"buffer_left", kErrorsBufferLeft, "", "rectify read a pixel that is not in the left line buffer"},
+           {"buffer_right", kErrorsBufferRight, "", "rectify read a pixel that is not in the right line buffer"},
+           {"config", kErrorsConfig, "", "the board refused an apply: WIDTH, HEIGHT or READ_START is out of range"},
            {"labels", kErrorsLabels, "", "speckle ran out of labels; always 0 in this design"},
        }},
       {"WIDTH", kRegWidth, Access::kReadWrite, kRegWidthReset,
-       "of the image, GatewareMinWidth to BUILD.max_width", {
+       "image width, GatewareMinWidth to BUILD.max_width", {
            {"pixels", kWidthPixels, "", "px"},
        }},
       {"HEIGHT", kRegHeight, Access::kReadWrite, kRegHeightReset,
-       "of the image, 1 to GatewareMaxHeight", {
+       "image height, 1 to GatewareMaxHeight", {
            {"rows", kHeightRows, "", "px"},
        }},
       {"READ_START", kRegReadStart, Access::kReadWrite, kRegReadStartReset,
-       "T_s of rectify = rows x WIDTH + pixels", {
-           {"pixels", kReadStartPixels, "", "fewer than WIDTH"},
-           {"rows", kReadStartRows, "", "whole rows, fewer than BUILD_LINE_ROWS"},
+       "delay T_s of rectify = rows x WIDTH + pixels", {
+           {"pixels", kReadStartPixels, "", "below WIDTH"},
+           {"rows", kReadStartRows, "", "whole rows, below BUILD_LINE_ROWS"},
        }},
       {"FLAGS", kRegFlags, Access::kReadWrite, kRegFlagsReset,
-       "switches", {
-           {"left_right_check", kFlagsLeftRightCheck, "left_right_check", "of check"},
-           {"uniqueness_check", kFlagsUniquenessCheck, "uniqueness_check", "of check"},
-           {"subpixel", kFlagsSubpixel, "subpixel", "refine"},
+       "switches of the stages", {
+           {"left_right_check", kFlagsLeftRightCheck, "left_right_check", "check"},
+           {"uniqueness_check", kFlagsUniquenessCheck, "uniqueness_check", "check"},
+           {"subpixel", kFlagsSubpixel, "subpixel", "subpixel"},
        }},
       {"DISP12_MAX_DIFF", kRegDisp12MaxDiff, Access::kReadWrite, kRegDisp12MaxDiffReset,
        "largest difference that the left-right check allows", {
            {"pixels", kDisp12MaxDiffPixels, "disp12MaxDiff", "px"},
        }},
       {"UNIQUENESS", kRegUniqueness, Access::kReadWrite, kRegUniquenessReset,
-       "N of the uniqueness check = 256 (1 + uniqueness_ratio / 100), rounded", {
+       "factor N of the uniqueness check = 256 (1 + uniqueness_ratio / 100), rounded", {
            {"factor", kUniquenessFactor, "uniqueness_ratio", "in 1/UniquenessScale"},
        }},
       {"SPECKLE_SIZE", kRegSpeckleSize, Access::kReadWrite, kRegSpeckleSizeReset,
-       "regions of fewer pixels are dropped; 0 switches speckle off; up to SpeckleMax", {
+       "speckle drops regions of fewer pixels; 0 turns it off; up to SpeckleMax", {
            {"pixels", kSpeckleSizePixels, "speckle_size", "px"},
        }},
       {"SPECKLE_RANGE", kRegSpeckleRange, Access::kReadWrite, kRegSpeckleRangeReset,
-       "largest step between neighbours of one region", {
+       "largest disparity step between neighbours of one region", {
            {"units", kSpeckleRangeUnits, "speckle_range", "in 1/DisparityScale px"},
        }},
       {"MESH_ADDRESS", kRegMeshAddress, Access::kReadWrite, kRegMeshAddressReset,
-       "where the next MESH_DATA goes", {
-           {"node", kMeshAddressNode, "", "number; MESH_DATA increments it"},
+       "node that the next write to MESH_DATA sets", {
+           {"node", kMeshAddressNode, "", "number; each write to MESH_DATA increments it"},
            {"camera", kMeshAddressCamera, "", "0 left, 1 right"},
        }},
       {"MESH_DATA", kRegMeshData, Access::kWriteOnly, kRegMeshDataReset,
-       "one node: displacement, source minus destination, in 1/MeshScale px, signed", {
+       "displacement of one node, source minus destination, in 1/MeshScale px, signed", {
            {"dx", kMeshDataDx, "", "to the right"},
            {"dy", kMeshDataDy, "", "down"},
        }},
       {"MESH_SIGNATURE", kRegMeshSignature, Access::kReadOnly, kRegMeshSignatureReset,
-       "signature, as below, of the words written to MESH_DATA since MESH_ADDRESS was: how a mesh is read back", {
+       "signature (see Signatures) of the words written to MESH_DATA since the last write to MESH_ADDRESS; the host verifies a mesh with it", {
        }},
       {"FRAMES_IN", kRegFramesIn, Access::kReadOnly, kRegFramesInReset,
-       "frames that have started at the input", {
+       "frames that started at the input", {
        }},
       {"FRAMES_OUT", kRegFramesOut, Access::kReadOnly, kRegFramesOutReset,
-       "frames of which the last pixel has left speckle", {
+       "frames whose last pixel left speckle", {
        }},
       {"CUT_FRAMES", kRegCutFrames, Access::kReadOnly, kRegCutFramesReset,
        "frames with ERRORS.cut_frame", {
@@ -118,7 +118,7 @@ const std::vector<Register>& register_table() {
        "frames with ERRORS.labels; always 0 in this design", {
        }},
       {"MESH_SWAPS", kRegMeshSwaps, Access::kReadOnly, kRegMeshSwapsReset,
-       "swaps of the bank of meshes in use: applies with a node written since the last one", {
+       "swaps of the bank of meshes in use", {
        }},
       {"SIGNATURE_RECTIFY", kRegSignatureRectify, Access::kReadOnly, kRegSignatureRectifyReset,
        "left << 8 ^ right", {
@@ -133,7 +133,7 @@ const std::vector<Register>& register_table() {
        "dL ^ dR << 8 ^ v1 << 16 ^ rol(v2, 8) ^ XOR over k = 0..4 of rol(C(k - 2), 5 k)", {
        }},
       {"SIGNATURE_CHECK", kRegSignatureCheck, Access::kReadOnly, kRegSignatureCheckReset,
-       "1 kept, 0 not", {
+       "1 if the pixel is kept, else 0", {
        }},
       {"SIGNATURE_SUBPIXEL", kRegSignatureSubpixel, Access::kReadOnly, kRegSignatureSubpixelReset,
        "the disparity", {
@@ -142,47 +142,47 @@ const std::vector<Register>& register_table() {
        "the disparity", {
        }},
       {"BUILD_STREAMS", kRegBuildStreams, Access::kReadOnly, {},
-       "what this build can send and take: bit s for stream s", {
-           {"streams", kBuildStreamsStreams, "", "a bit each"},
+       "streams that this build supports", {
+           {"streams", kBuildStreamsStreams, "", "bit s stands for stream s"},
        }},
       {"BUILD_CLOCK", kRegBuildClock, Access::kReadOnly, {},
-       "Hz, of the pixels", {
+       "pixel clock, Hz", {
        }},
       {"STREAMS", kRegStreams, Access::kReadWrite, kRegStreamsReset,
-       "what is sent: bit s for stream s", {
-           {"disparity", kStreamsDisparity, "", "1 sent"},
-           {"rectified_left", kStreamsRectifiedLeft, "", "1 sent"},
-           {"rectified_right", kStreamsRectifiedRight, "", "1 sent"},
-           {"raw_left", kStreamsRawLeft, "", "1 sent"},
-           {"raw_right", kStreamsRawRight, "", "1 sent"},
+       "streams that the board sends: bit s stands for stream s", {
+           {"disparity", kStreamsDisparity, "", "1 sends it"},
+           {"rectified_left", kStreamsRectifiedLeft, "", "1 sends it"},
+           {"rectified_right", kStreamsRectifiedRight, "", "1 sends it"},
+           {"raw_left", kStreamsRawLeft, "", "1 sends it"},
+           {"raw_right", kStreamsRawRight, "", "1 sends it"},
        }},
       {"FRAME_INTERVAL", kRegFrameInterval, Access::kReadWrite, kRegFrameIntervalReset,
-       "of how many pairs one is sent", {
-           {"pairs", kFrameIntervalPairs, "", "1 or more; 0 acts as 1"},
-           {"raw", kFrameIntervalRaw, "", "raw images only of one in so many of those that are sent; 0 acts as 1"},
+       "how often frames are sent", {
+           {"pairs", kFrameIntervalPairs, "", "one pair in this many is sent; 0 acts as 1"},
+           {"raw", kFrameIntervalRaw, "", "one in this many of the sent pairs includes raw images; 0 acts as 1"},
        }},
       {"INPUT", kRegInput, Access::kReadWrite, kRegInputReset,
-       "where raw pixels come from", {
-           {"host", kInputHost, "", "1 stream input of the link, 0 the cameras"},
+       "source of raw pixels", {
+           {"host", kInputHost, "", "1 takes stream input of the link, 0 the cameras"},
        }},
       {"MID_EXPOSURE", kRegMidExposure, Access::kReadWrite, kRegMidExposureReset,
-       "from the middle of the exposure to the first pixel: subtracted from timestamps", {
+       "time from the middle of the exposure to the first pixel; the board subtracts it from timestamps", {
            {"us", kMidExposureUs, "", "us"},
        }},
       {"CONFIGURATION", kRegConfiguration, Access::kReadOnly, kRegConfigurationReset,
-       "applies that took effect, since the reset, modulo 2^32", {
+       "configuration id: applies that took effect since the reset, modulo 2^32", {
        }},
       {"FRAMES_DROPPED", kRegFramesDropped, Access::kReadOnly, kRegFramesDroppedReset,
-       "frames, of any stream, that the link was too slow for, since CONTROL.clear", {
+       "frames of any stream that the board dropped because the link was too slow, since CONTROL.clear", {
        }},
       {"BAD_PACKETS", kRegBadPackets, Access::kReadOnly, kRegBadPacketsReset,
-       "sync words of the host with no intact packet behind, since CONTROL.clear", {
+       "sync words from the host without an intact packet, since CONTROL.clear", {
        }},
       {"LOST_PACKETS", kRegLostPackets, Access::kReadOnly, kRegLostPacketsReset,
-       "gaps in the host's sequence, in packets, since CONTROL.clear", {
+       "packets missing in the host's sequence, since CONTROL.clear", {
        }},
       {"INPUT_ERRORS", kRegInputErrors, Access::kReadOnly, kRegInputErrorsReset,
-       "pairs from the host that lacked rows or a trailer, since CONTROL.clear", {
+       "pairs from the host without all rows or without a trailer, since CONTROL.clear", {
        }},
   };
   // clang-format on

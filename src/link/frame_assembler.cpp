@@ -17,10 +17,10 @@ std::size_t pixel_bytes(PixelFormat format) { return format == PixelFormat::kDis
 std::optional<Leader> unpack_leader(const Packet& packet) {
   if (packet.header.length != Leader::kBytes) return std::nullopt;
   Leader leader;
-  leader.width = get_u16(packet.payload);
-  leader.height = get_u16(packet.payload + 2);
-  leader.format = static_cast<PixelFormat>(packet.payload[4]);
-  leader.configuration = get_u32(packet.payload + 8);
+  leader.width = get_u16(packet.payload + kLinkLeaderWidthAt);
+  leader.height = get_u16(packet.payload + kLinkLeaderHeightAt);
+  leader.format = static_cast<PixelFormat>(packet.payload[kLinkLeaderFormatAt]);
+  leader.configuration = get_u32(packet.payload + kLinkLeaderConfigurationAt);
   const auto expected =
       packet.header.stream == Stream::kDisparity ? PixelFormat::kDisparity : PixelFormat::kGrey;
   if (leader.format != expected) return std::nullopt;
@@ -61,18 +61,18 @@ std::size_t Leader::row_bytes(Stream stream) const {
 
 std::array<std::uint8_t, Leader::kBytes> pack(const Leader& leader) {
   std::array<std::uint8_t, Leader::kBytes> bytes{};
-  put_u16(&bytes[0], leader.width);
-  put_u16(&bytes[2], leader.height);
-  bytes[4] = static_cast<std::uint8_t>(leader.format);
-  put_u32(&bytes[8], leader.configuration);
+  put_u16(&bytes[kLinkLeaderWidthAt], leader.width);
+  put_u16(&bytes[kLinkLeaderHeightAt], leader.height);
+  bytes[kLinkLeaderFormatAt] = static_cast<std::uint8_t>(leader.format);
+  put_u32(&bytes[kLinkLeaderConfigurationAt], leader.configuration);
   return bytes;
 }
 
 std::array<std::uint8_t, Trailer::kBytes> pack(const Trailer& trailer) {
   std::array<std::uint8_t, Trailer::kBytes> bytes{};
-  put_u32(&bytes[0], trailer.rows);
-  put_u32(&bytes[4], trailer.flags);
-  put_u32(&bytes[8], trailer.signature);
+  put_u32(&bytes[kLinkTrailerRowsAt], trailer.rows);
+  put_u32(&bytes[kLinkTrailerFlagsAt], trailer.flags);
+  put_u32(&bytes[kLinkTrailerSignatureAt], trailer.signature);
   return bytes;
 }
 
@@ -213,12 +213,13 @@ void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembl
     return;
   }
   AssembledFrame& assembled = frame.assembled;
-  assembled.flags = get_u32(packet.payload + 4);
+  assembled.flags = get_u32(packet.payload + kLinkTrailerFlagsAt);
   assembled.missing_rows =
       static_cast<int>(std::count(frame.have.begin(), frame.have.end(), false));
   if (assembled.flags != 0) return finish(frame, Verdict::kFlagged, out);
   if (assembled.missing_rows == 0) {
-    const bool same = image_signature(assembled.image) == get_u32(packet.payload + 8);
+    const bool same =
+        image_signature(assembled.image) == get_u32(packet.payload + kLinkTrailerSignatureAt);
     return finish(frame, same ? Verdict::kGood : Verdict::kBadSignature, out);
   }
   if (!options_.keep_incomplete || assembled.stream != Stream::kDisparity) {

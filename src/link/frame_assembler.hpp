@@ -31,7 +31,7 @@ enum class PixelFormat : std::uint8_t {
 ///    5      u8, u16  0
 ///    8      u32   configuration  number of the configuration that made the frame
 struct Leader {
-  static constexpr std::size_t kBytes = 12;
+  static constexpr std::size_t kBytes = kLinkLeaderBytes;
   std::uint16_t width = 0, height = 0;
   PixelFormat format = PixelFormat::kDisparity;
   std::uint32_t configuration = 0;
@@ -57,7 +57,7 @@ enum FrameFlag : std::uint32_t {
 ///    4      u32   flags          FrameFlag, 0 is a good frame
 ///    8      u32   signature      fpga_stereo::Signature of all pixels, in raster order
 struct Trailer {
-  static constexpr std::size_t kBytes = 12;
+  static constexpr std::size_t kBytes = kLinkTrailerBytes;
   std::uint32_t rows = 0, flags = 0, signature = 0;
 };
 

@@ -41,17 +41,17 @@ void put_u64(std::uint8_t* bytes, std::uint64_t value) { put(bytes, value); }
 
 std::array<std::uint8_t, kHeaderBytes> pack(const Header& header) {
   std::array<std::uint8_t, kHeaderBytes> bytes{};
-  put_u32(&bytes[0], kSync);
-  bytes[4] = header.version;
-  bytes[5] = static_cast<std::uint8_t>(header.type);
-  bytes[6] = header.flags;
-  bytes[7] = static_cast<std::uint8_t>(header.stream);
-  put_u16(&bytes[8], header.length);
-  put_u16(&bytes[10], header.index);
-  put_u32(&bytes[12], header.sequence);
-  put_u64(&bytes[16], header.frame_id);
-  put_u64(&bytes[24], header.timestamp);
-  put_u32(&bytes[32], crc32c(bytes.data(), kHeaderBytes - kCrcBytes));
+  put_u32(&bytes[kLinkHeaderSyncAt], kSync);
+  bytes[kLinkHeaderVersionAt] = header.version;
+  bytes[kLinkHeaderTypeAt] = static_cast<std::uint8_t>(header.type);
+  bytes[kLinkHeaderFlagsAt] = header.flags;
+  bytes[kLinkHeaderStreamAt] = static_cast<std::uint8_t>(header.stream);
+  put_u16(&bytes[kLinkHeaderLengthAt], header.length);
+  put_u16(&bytes[kLinkHeaderIndexAt], header.index);
+  put_u32(&bytes[kLinkHeaderSequenceAt], header.sequence);
+  put_u64(&bytes[kLinkHeaderFrameIdAt], header.frame_id);
+  put_u64(&bytes[kLinkHeaderTimestampAt], header.timestamp);
+  put_u32(&bytes[kLinkHeaderCrcAt], crc32c(bytes.data(), kHeaderBytes - kCrcBytes));
   return bytes;
 }
 
@@ -61,17 +61,18 @@ std::uint32_t payload_crc(const std::uint8_t* packet, std::size_t length) {
 
 std::optional<Header> unpack(const std::uint8_t* bytes) {
   if (get_u32(bytes) != kSync) return std::nullopt;
-  if (get_u32(bytes + 32) != crc32c(bytes, kHeaderBytes - kCrcBytes)) return std::nullopt;
+  if (get_u32(bytes + kLinkHeaderCrcAt) != crc32c(bytes, kHeaderBytes - kCrcBytes))
+    return std::nullopt;
   Header header;
-  header.version = bytes[4];
-  header.type = static_cast<PacketType>(bytes[5]);
-  header.flags = bytes[6];
-  header.stream = static_cast<Stream>(bytes[7]);
-  header.length = get_u16(bytes + 8);
-  header.index = get_u16(bytes + 10);
-  header.sequence = get_u32(bytes + 12);
-  header.frame_id = get_u64(bytes + 16);
-  header.timestamp = get_u64(bytes + 24);
+  header.version = bytes[kLinkHeaderVersionAt];
+  header.type = static_cast<PacketType>(bytes[kLinkHeaderTypeAt]);
+  header.flags = bytes[kLinkHeaderFlagsAt];
+  header.stream = static_cast<Stream>(bytes[kLinkHeaderStreamAt]);
+  header.length = get_u16(bytes + kLinkHeaderLengthAt);
+  header.index = get_u16(bytes + kLinkHeaderIndexAt);
+  header.sequence = get_u32(bytes + kLinkHeaderSequenceAt);
+  header.frame_id = get_u64(bytes + kLinkHeaderFrameIdAt);
+  header.timestamp = get_u64(bytes + kLinkHeaderTimestampAt);
   if (header.length > kMaxPayloadBytes || header.length % 4 != 0) return std::nullopt;
   return header;
 }

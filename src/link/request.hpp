@@ -11,9 +11,9 @@
 
 namespace fpga_stereo::link {
 
-constexpr std::size_t kMaxReads = 64;   // registers in a request
-constexpr std::size_t kMaxWrites = 64;  // registers in a request
-constexpr std::size_t kMaxNodes = kLinkMaxRequestBytes / 4 - 1;
+constexpr std::size_t kMaxReads = kLinkMaxRequestRegisters;
+constexpr std::size_t kMaxWrites = kLinkMaxRequestRegisters;
+constexpr std::size_t kMaxNodes = kLinkMaxRequestNodes;
 
 /// A request without what the session adds: id and sequence number.
 struct Request {

@@ -23,7 +23,7 @@ const ParameterInfo& info_of(const std::string& name) {
   throw std::out_of_range(name);
 }
 
-/// Sets a number past set_parameter's checks.
+/// Returns parameters with a number that set_parameter() might refuse.
 Parameters with(const ParameterInfo& info, double value) {
   Parameters p;
   if (const auto* member = std::get_if<int Parameters::*>(&info.member)) {
@@ -40,7 +40,8 @@ std::string all_texts(const Parameters& p) {
   return text;
 }
 
-/// Refused by validate() and by set_parameter() with name, value and range in the message.
+/// Checks that validate() and set_parameter() refuse a value and name it, the parameter and the
+/// range.
 void expect_refused(const ParameterInfo& info, double value) {
   const Parameters p = with(info, value);
   const std::string text = to_text(p, info);
@@ -59,7 +60,7 @@ void expect_refused(const ParameterInfo& info, double value) {
   }
 }
 
-TEST(ParametersTable, NamesAndDefaults) {
+TEST(ParameterTable, HasTheDefaults) {
   const std::vector<std::pair<std::string, std::string>> expected{
       {"min_disparity", "0"},       {"disparity_range", "64"},         {"census_window_size", "11"},
       {"census_pattern", "sparse"}, {"correlation_window_size", "15"}, {"left_right_check", "true"},
@@ -71,7 +72,7 @@ TEST(ParametersTable, NamesAndDefaults) {
   }
 }
 
-TEST(ParametersTable, DefaultsAreAllowed) {
+TEST(ParameterTable, AllowsTheDefaults) {
   EXPECT_TRUE(validate(Parameters()));
   for (const ParameterInfo& info : parameter_table()) {
     Parameters p;
@@ -80,7 +81,7 @@ TEST(ParametersTable, DefaultsAreAllowed) {
   }
 }
 
-TEST(ParametersTable, LimitsAreAllowed) {
+TEST(ParameterTable, AllowsTheLimits) {
   for (const ParameterInfo& info : parameter_table()) {
     if (!is_number(info)) continue;
     EXPECT_TRUE(validate(with(info, info.min))) << info.name;
@@ -88,7 +89,7 @@ TEST(ParametersTable, LimitsAreAllowed) {
   }
 }
 
-TEST(ParametersTable, OutOfRangeIsRefused) {
+TEST(ParameterTable, RefusesValuesOutOfRange) {
   for (const ParameterInfo& info : parameter_table()) {
     if (!is_number(info)) continue;
     const double step = is_integer(info) ? 1 : 0.25;
@@ -99,7 +100,7 @@ TEST(ParametersTable, OutOfRangeIsRefused) {
   }
 }
 
-TEST(ParametersTable, FarOutOfRangeIsRefused) {
+TEST(ParameterTable, RefusesValuesFarOutOfRange) {
   for (const ParameterInfo& info : parameter_table()) {
     if (!is_integer(info)) continue;
     expect_refused(info, std::numeric_limits<int>::max());
@@ -109,7 +110,7 @@ TEST(ParametersTable, FarOutOfRangeIsRefused) {
   EXPECT_FALSE(validate(with(info_of("uniqueness_ratio"), INFINITY)));
 }
 
-TEST(ParametersTable, AllowedValuesInWords) {
+TEST(ParameterTable, SaysTheAllowedValues) {
   EXPECT_EQ(allowed_values(info_of("disparity_range")), "8 to 256 in steps of 4");
   EXPECT_EQ(allowed_values(info_of("census_window_size")), "5 to 11 in steps of 2");
   EXPECT_EQ(allowed_values(info_of("correlation_window_size")), "5 to 21 in steps of 2");
@@ -119,7 +120,7 @@ TEST(ParametersTable, AllowedValuesInWords) {
   EXPECT_EQ(allowed_values(info_of("census_pattern")), "sparse or full");
 }
 
-TEST(SetParameter, SetsEveryKind) {
+TEST(SetParameter, SetsEveryType) {
   Parameters p;
   EXPECT_TRUE(set_parameter(p, "disparity_range", "128"));
   EXPECT_TRUE(set_parameter(p, "min_disparity", "-7"));
@@ -137,7 +138,7 @@ TEST(SetParameter, SetsEveryKind) {
   EXPECT_TRUE(p.subpixel);
 }
 
-TEST(SetParameter, RoundTrip) {
+TEST(SetParameter, TakesTheTextOfEveryValue) {
   for (const ParameterInfo& info : parameter_table()) {
     std::vector<std::string> texts{"true", "false"};
     if (info.name == "census_pattern") texts = {"sparse", "full"};
@@ -158,7 +159,7 @@ TEST(SetParameter, RoundTrip) {
   }
 }
 
-TEST(SetParameter, GarbageIsRefused) {
+TEST(SetParameter, RefusesGarbage) {
   const char* const texts[] = {
       "", " ", "x", "12x", "12 ", "1.5.2", "--3", "nan", "0x10", "TRUE?", "99999999999999999999"};
   for (const ParameterInfo& info : parameter_table()) {
@@ -174,15 +175,16 @@ TEST(SetParameter, GarbageIsRefused) {
     }
   }
   Parameters p;
-  EXPECT_FALSE(set_parameter(p, "disparity_range", "64.0")) << "a fraction is no integer";
+  EXPECT_FALSE(set_parameter(p, "disparity_range", "64.0")) << "64.0 is not an integer";
 }
 
-TEST(SetParameter, UnknownNameIsRefused) {
+TEST(SetParameter, RefusesUnknownNames) {
   Parameters p;
   const Status status = set_parameter(p, "disparity_rang", "64");
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("\"disparity_rang\""), std::string::npos);
-  EXPECT_NE(status.error().message.find("disparity_range"), std::string::npos) << "lists them";
+  EXPECT_NE(status.error().message.find("disparity_range"), std::string::npos)
+      << "the message lists all names";
   EXPECT_FALSE(set_parameter(p, "", "1"));
   EXPECT_FALSE(set_parameter(p, "Disparity_Range", "64"));
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "fpga_stereo/core/mesh.hpp"
 #include "fpga_stereo/core/parameters.hpp"
@@ -16,6 +18,7 @@ namespace {
 
 using namespace fpga_stereo::spec;
 
+/// Returns the register with this name.
 const Register& named(const std::string& name) {
   for (const Register& r : register_table()) {
     if (r.name == name) return r;
@@ -23,20 +26,21 @@ const Register& named(const std::string& name) {
   throw std::invalid_argument("no register " + name);
 }
 
+/// Returns the largest value that the field holds.
 std::uint32_t largest(Field field) { return field.get(0xFFFFFFFFU); }
 
-TEST(Field, ByHand) {
+TEST(Field, GetsAndPutsItsBitsOnly) {
   constexpr Field field{8, 5};
   static_assert(field.mask() == 0x1F00);
   static_assert(field.get(0xFFFFF3FF) == 0x13);
   static_assert(field.put(0x13) == 0x1300);
-  static_assert(field.put(0xFF) == 0x1F00, "never beside the field");
+  static_assert(field.put(0xFF) == 0x1F00, "bits outside the field stay 0");
   constexpr Field whole{0, 32};
   static_assert(whole.get(0x89ABCDEF) == 0x89ABCDEF);
   static_assert(whole.put(0x89ABCDEF) == 0x89ABCDEF);
 }
 
-TEST(Registers, AddressesAscendAndFit) {
+TEST(Registers, HaveAscendingAddressesAndUniqueNames) {
   std::set<std::string> names;
   int last = -1;
   for (const Register& r : register_table()) {
@@ -47,7 +51,7 @@ TEST(Registers, AddressesAscendAndFit) {
   EXPECT_LT(last, 1 << kRegisterAddressBits);
 }
 
-TEST(Registers, FieldsLieInTheWordAndDoNotOverlap) {
+TEST(Registers, HaveFieldsThatFitAndDoNotOverlap) {
   for (const Register& r : register_table()) {
     std::uint32_t used = 0;
     std::set<std::string> names;
@@ -64,15 +68,15 @@ TEST(Registers, FieldsLieInTheWordAndDoNotOverlap) {
   }
 }
 
-TEST(Registers, OnlyBuildParametersHaveNoReset) {
+TEST(Registers, HaveAResetValueUnlessTheBuildGivesIt) {
   for (const Register& r : register_table()) {
     EXPECT_EQ(!r.reset, std::string(r.name).rfind("BUILD", 0) == 0) << r.name;
     EXPECT_TRUE(r.reset || r.access == Access::kReadOnly) << r.name;
-    EXPECT_TRUE(r.access != Access::kWriteOnly || r.reset == 0U) << r.name << " reads 0";
+    EXPECT_TRUE(r.access != Access::kWriteOnly || r.reset == 0U) << r.name << " must read 0";
   }
 }
 
-TEST(Registers, SayWhoTheyAre) {
+TEST(Registers, MatchTheirGeneratedConstants) {
   EXPECT_EQ(kRegIdentityReset, std::uint32_t{'F'} << 24 | 'S' << 16 | 'T' << 8 | '1');
   EXPECT_EQ(kRegSpecHashReset, kSpecHash);
   EXPECT_EQ(named("READ_START").address, kRegReadStart);
@@ -80,7 +84,7 @@ TEST(Registers, SayWhoTheyAre) {
   EXPECT_EQ(named("ERRORS").access, Access::kWriteOneToClear);
 }
 
-TEST(Registers, EveryParameterIsOne) {
+TEST(Registers, NameOnlyParametersOfThePipeline) {
   for (const Register& r : register_table()) {
     for (const FieldInfo& f : r.fields) {
       const auto& table = parameter_table();
@@ -92,7 +96,7 @@ TEST(Registers, EveryParameterIsOne) {
   }
 }
 
-TEST(Registers, ResetToTheDefaultsOfTheSoftware) {
+TEST(Registers, ResetToTheDefaultParameters) {
   const Parameters p;
   EXPECT_EQ(kFlagsLeftRightCheck.get(kRegFlagsReset), p.left_right_check ? 1U : 0U);
   EXPECT_EQ(kFlagsUniquenessCheck.get(kRegFlagsReset), p.uniqueness_check ? 1U : 0U);
@@ -103,20 +107,20 @@ TEST(Registers, ResetToTheDefaultsOfTheSoftware) {
   EXPECT_EQ(kRegSpeckleRangeReset, p.speckle_range * kDisparityScale);
 }
 
-TEST(Registers, HoldEveryAllowedValue) {
-  const auto most = [](const std::string& name) {
+TEST(Registers, HoldEveryAllowedParameterValue) {
+  const auto max = [](const std::string& name) {
     for (const ParameterInfo& info : parameter_table()) {
       if (info.name == name) return info.max;
     }
     throw std::invalid_argument("no parameter " + name);
   };
-  EXPECT_GE(largest(kDisp12MaxDiffPixels), most("disp12MaxDiff"));
-  EXPECT_GE(largest(kUniquenessFactor), kUniquenessScale * (1 + most("uniqueness_ratio") / 100));
-  EXPECT_GE(largest(kSpeckleSizePixels), most("speckle_size"));
-  EXPECT_GE(largest(kSpeckleRangeUnits), most("speckle_range") * kDisparityScale);
-  EXPECT_GE(largest(kBuildCensusWindow), most("census_window_size"));
-  EXPECT_GE(largest(kBuildCorrelationWindow), most("correlation_window_size"));
-  EXPECT_EQ(largest(kBuildDisparities) + 1, most("disparity_range")) << "0 stands for the largest";
+  EXPECT_GE(largest(kDisp12MaxDiffPixels), max("disp12MaxDiff"));
+  EXPECT_GE(largest(kUniquenessFactor), kUniquenessScale * (1 + max("uniqueness_ratio") / 100));
+  EXPECT_GE(largest(kSpeckleSizePixels), max("speckle_size"));
+  EXPECT_GE(largest(kSpeckleRangeUnits), max("speckle_range") * kDisparityScale);
+  EXPECT_GE(largest(kBuildCensusWindow), max("census_window_size"));
+  EXPECT_GE(largest(kBuildCorrelationWindow), max("correlation_window_size"));
+  EXPECT_EQ(largest(kBuildDisparities) + 1, max("disparity_range")) << "0 stands for 2^width";
   EXPECT_GE(largest(kBuildMaxWidth), kGatewareMaxWidth);
   EXPECT_GE(largest(kWidthPixels), kGatewareMaxWidth);
   EXPECT_GE(largest(kHeightRows), kGatewareMaxHeight);
@@ -127,12 +131,45 @@ TEST(Registers, HoldEveryAllowedValue) {
   EXPECT_EQ(kMeshDataDy.bits, kMeshBits);
 }
 
-TEST(Registers, OneSignaturePerStageInOrder) {
+TEST(Registers, HaveOneSignaturePerStageInDataOrder) {
   for (int stage = 0; stage < kNumStages; ++stage) {
     std::string name = std::string("SIGNATURE_") + kStageNames[stage];
     for (char& c : name) c = static_cast<char>(std::toupper(c));
     EXPECT_EQ(named(name).address, kRegSignatureRectify + stage);
   }
+}
+
+/// Checks that fields of these ascending offsets fill a packet without overlaps.
+void expect_layout(std::vector<std::pair<int, int>> fields, int bytes) {
+  int end = 0;
+  for (const auto& [offset, size] : fields) {
+    EXPECT_GE(offset, end);
+    end = offset + size;
+  }
+  EXPECT_LE(end, bytes);
+  EXPECT_EQ(bytes % 4, 0);
+}
+
+TEST(Packets, HaveFieldsThatFitAndDoNotOverlap) {
+  expect_layout({{kLinkHeaderSyncAt, 4},
+                 {kLinkHeaderVersionAt, 1},
+                 {kLinkHeaderTypeAt, 1},
+                 {kLinkHeaderFlagsAt, 1},
+                 {kLinkHeaderStreamAt, 1},
+                 {kLinkHeaderLengthAt, 2},
+                 {kLinkHeaderIndexAt, 2},
+                 {kLinkHeaderSequenceAt, 4},
+                 {kLinkHeaderFrameIdAt, 8},
+                 {kLinkHeaderTimestampAt, 8},
+                 {kLinkHeaderCrcAt, 4}},
+                kLinkHeaderBytes);
+  expect_layout({{kLinkLeaderWidthAt, 2},
+                 {kLinkLeaderHeightAt, 2},
+                 {kLinkLeaderFormatAt, 1},
+                 {kLinkLeaderConfigurationAt, 4}},
+                kLinkLeaderBytes);
+  expect_layout({{kLinkTrailerRowsAt, 4}, {kLinkTrailerFlagsAt, 4}, {kLinkTrailerSignatureAt, 4}},
+                kLinkTrailerBytes);
 }
 
 }  // namespace

@@ -37,8 +37,8 @@ module fs_commands (
   output logic [31:0] word_o,
   output logic        last_o
 );
-  localparam logic [15:0] MaxRegisters = 16'd64;
-  localparam logic [15:0] MaxRequest = 16'(fs_pkg::LinkMaxRequestBytes);
+  localparam logic [15:0] MaxRegisters = 16'(fs_pkg::LinkMaxRequestRegisters);
+  localparam logic [15:0] MaxMesh = 16'(4 * (1 + fs_pkg::LinkMaxRequestNodes));  // bytes
   localparam int HeaderWords = 6;
 
   typedef enum logic [3:0] {
@@ -126,7 +126,7 @@ module fs_commands (
             length_ok_q <= length_i != '0 & length_i <= MaxRegisters * 16'd4;
           fs_pkg::PacketWriteRegisters:
             length_ok_q <= length_i != '0 & length_i <= MaxRegisters * 16'd8 & ~length_i[2];
-          default: length_ok_q <= length_i >= 16'd8 & length_i <= MaxRequest;
+          default: length_ok_q <= length_i >= 16'd8 & length_i <= MaxMesh;
         endcase
         if (packet_i) state_q <= Decide;
       end

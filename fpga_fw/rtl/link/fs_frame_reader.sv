@@ -29,7 +29,8 @@ module fs_frame_reader #(
       PixelBits == 16 ? 16'(fs_pkg::FormatDisparity) : 16'(fs_pkg::FormatGrey);
   localparam int Lanes = 32 / PixelBits;
   localparam int LaneBits = $clog2(Lanes);
-  localparam logic [15:0] LeaderBytes = 16'd12, TrailerBytes = 16'd12;
+  localparam logic [15:0] LeaderBytes = 16'(fs_pkg::LinkLeaderBytes);
+  localparam logic [15:0] TrailerBytes = 16'(fs_pkg::LinkTrailerBytes);
   localparam int FirstOfPayload = 6;
 
   logic [3:0] step_q;  // word of the packet; 8: from the third of the payload on

@@ -42,7 +42,7 @@ module fs_host_input (
   output logic [63:0] timestamp_o,
   output logic        error_o   // pulse: the frame lacked rows or its trailer
 );
-  localparam int LeaderBytes = 12;
+  localparam int LeaderBytes = fs_pkg::LinkLeaderBytes;
   localparam int MaxWidth = fs_pkg::GatewareMaxWidth;
   localparam int WidthBits = $clog2(MaxWidth + 1);
   typedef enum logic [3:0] {
@@ -62,13 +62,13 @@ module fs_host_input (
   logic is_leader_q, is_rows_q, is_trailer_q, same_q, row_length_q, later_q, next_q;
   logic [15:0] leader_width, leader_height;
   logic leader_ok_q;
-  assign leader_width = leader_q[15:0];
-  assign leader_height = leader_q[31:16];
+  assign leader_width = leader_q[8*fs_pkg::LinkLeaderWidthAt+:16];
+  assign leader_height = leader_q[8*fs_pkg::LinkLeaderHeightAt+:16];
   always_ff @(posedge clk_i) begin
     is_leader_q <= stream_i == fs_pkg::StreamInput & type_i == fs_pkg::PacketLeader;
     is_rows_q <= stream_i == fs_pkg::StreamInput & type_i == fs_pkg::PacketRows;
     is_trailer_q <= stream_i == fs_pkg::StreamInput & type_i == fs_pkg::PacketTrailer &
-                    length_i == 16'd12;
+                    length_i == 16'(fs_pkg::LinkTrailerBytes);
     same_q <= frame_id_i == frame_id_o;
     row_length_q <= length_i == row_bytes_q;
     next_q <= index_i == 16'(row_q);
@@ -77,7 +77,7 @@ module fs_host_input (
     leader_ok_q <= leader_width >= 16'(fs_pkg::GatewareMinWidth) &
                    leader_width <= 16'(fs_pkg::GatewareMaxWidth) & leader_height != '0 &
                    leader_height <= 16'(fs_pkg::GatewareMaxHeight) &
-                   leader_q[32+:8] == fs_pkg::FormatGrey;
+                   leader_q[8*fs_pkg::LinkLeaderFormatAt+:8] == fs_pkg::FormatGrey;
   end
 
   // Buffer of the left row.

@@ -204,13 +204,13 @@ module fs_packet_finder #(
   end
 
   // Fields of the header, by their offset.
-  assign version_o = header_q[8*4+:8];
-  assign type_o = header_q[8*5+:8];
-  assign stream_o = header_q[8*7+:8];
-  assign length_o = header_q[8*8+:16];
-  assign index_o = header_q[8*10+:16];
-  assign frame_id_o = header_q[8*16+:64];
-  assign timestamp_o = header_q[8*24+:64];
+  assign version_o = header_q[8*fs_pkg::LinkHeaderVersionAt+:8];
+  assign type_o = header_q[8*fs_pkg::LinkHeaderTypeAt+:8];
+  assign stream_o = header_q[8*fs_pkg::LinkHeaderStreamAt+:8];
+  assign length_o = header_q[8*fs_pkg::LinkHeaderLengthAt+:16];
+  assign index_o = header_q[8*fs_pkg::LinkHeaderIndexAt+:16];
+  assign frame_id_o = header_q[8*fs_pkg::LinkHeaderFrameIdAt+:64];
+  assign timestamp_o = header_q[8*fs_pkg::LinkHeaderTimestampAt+:64];
   assign packet_o = state_q == Deliver;
   assign byte_valid_o = state_q == Deliver & head_valid & left_q != '0;
   assign byte_o = head;
@@ -218,7 +218,7 @@ module fs_packet_finder #(
   // Sequence. A step backwards is a repeated or late packet, or a host that started again.
   logic [31:0] sequence_number, expected_q, gap;
   logic known_q;
-  assign sequence_number = header_q[8*12+:32];
+  assign sequence_number = header_q[8*fs_pkg::LinkHeaderSequenceAt+:32];
   assign gap = sequence_number - expected_q;
   always_ff @(posedge clk_i) begin
     intact_o <= rst_ni & state_q == CheckPayload & payload_right;

@@ -7,13 +7,13 @@
 //           effect, and if a frame follows another one too soon.
 // Limits    see fs_top, fs_link
 module fs_system #(
-  parameter int MaxWidth = 640,
-  parameter int Disparities = 64,
-  parameter int CensusWindow = 11,
-  parameter int CorrelationWindow = 15,
+  parameter int MaxWidth = fs_pkg::DefaultMaxWidth,
+  parameter int Disparities = fs_pkg::DefaultDisparities,
+  parameter int CensusWindow = fs_pkg::DefaultCensusWindow,
+  parameter int CorrelationWindow = fs_pkg::DefaultCorrelationWindow,
   parameter int CensusFull = 0,
-  parameter int LineRows = 102,
-  parameter int MeshNodes = 5120,
+  parameter int LineRows = fs_pkg::DefaultLineRows,
+  parameter int MeshNodes = fs_pkg::DefaultMeshNodes,
   parameter int Primitives = 0,
   parameter int ClockHz = 100000000,
   parameter int Streams = 126,  // streams to build: bit s for stream s

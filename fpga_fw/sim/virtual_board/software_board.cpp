@@ -53,14 +53,7 @@ std::uint32_t refusal(PacketType type, std::size_t size) {
 
 }  // namespace
 
-SoftwareBoard::Options::Options() {
-  build.max_width = 640;
-  build.disparities = 64;
-  build.census_window = 11;
-  build.correlation_window = 15;
-  build.line_rows = 102;
-  build.mesh_nodes = 5120;
-}
+SoftwareBoard::Options::Options() = default;
 
 SoftwareBoard::SoftwareBoard(const Options& options) : options_(options) { reset(); }
 
@@ -263,19 +256,10 @@ void SoftwareBoard::apply() {
     registers_[spec::kRegErrors] |= spec::kErrorsConfig.mask();
     return;
   }
-  parameters_.disparity_range = build.disparities;
-  parameters_.census_window_size = build.census_window;
-  parameters_.census_pattern = build.census_pattern;
-  parameters_.correlation_window_size = build.correlation_window;
-  parameters_.left_right_check = field(spec::kRegFlags, spec::kFlagsLeftRightCheck) != 0;
-  parameters_.uniqueness_check = field(spec::kRegFlags, spec::kFlagsUniquenessCheck) != 0;
-  parameters_.subpixel = field(spec::kRegFlags, spec::kFlagsSubpixel) != 0;
-  parameters_.disp12MaxDiff = field(spec::kRegDisp12MaxDiff, spec::kDisp12MaxDiffPixels);
-  const int factor = field(spec::kRegUniqueness, spec::kUniquenessFactor);
-  parameters_.uniqueness_ratio = 100.0 * (factor - kUniquenessScale) / kUniquenessScale;
-  parameters_.speckle_size = field(spec::kRegSpeckleSize, spec::kSpeckleSizePixels);
-  parameters_.speckle_range =
-      field(spec::kRegSpeckleRange, spec::kSpeckleRangeUnits) / kDisparityScale;
+  parameters_ = parameters_of(build);
+  for (const spec::Register& r : spec::register_table()) {
+    set_parameters(parameters_, r.address, registers_[r.address]);
+  }
 
   if (mesh_written_) {
     std::swap(mesh_, active_mesh_);

@@ -1,5 +1,5 @@
-// From the pipeline's parameters and meshes to the registers of a gateware, whoever carries them
-// there. fpga_fw/spec/registers.md has the registers.
+// Converts the pipeline's parameters and meshes to the registers of a gateware and back. The
+// registers are in fpga_fw/spec/registers.md; a link or a simulation writes them.
 #pragma once
 
 #include <array>
@@ -9,33 +9,35 @@
 
 #include "fpga_stereo/core/calibration.hpp"
 #include "fpga_stereo/core/parameters.hpp"
+#include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo {
 
 /// What a gateware was built for: its registers BUILD, BUILD_LINE_ROWS, BUILD_MESH_NODES.
 struct GatewareBuild {
-  int max_width = 0;           // px
-  int disparities = 0;         // disparity_range
-  int census_window = 0;       // px
-  int correlation_window = 0;  // px
+  int max_width = kDefaultMaxWidth;                    // px
+  int disparities = kDefaultDisparities;               // disparity_range
+  int census_window = kDefaultCensusWindow;            // px
+  int correlation_window = kDefaultCorrelationWindow;  // px
   CensusPattern census_pattern = CensusPattern::kSparse;
-  int line_rows = 0;   // of the line buffer
-  int mesh_nodes = 0;  // of a mesh
+  int line_rows = kDefaultLineRows;    // rows of each line buffer
+  int mesh_nodes = kDefaultMeshNodes;  // nodes that one mesh may have
 
-  /// The narrowest image, px.
+  /// Returns the width of the narrowest image, px.
   int min_width() const;
 
-  /// From the registers BUILD, BUILD_LINE_ROWS, BUILD_MESH_NODES.
+  /// Returns the build that the registers BUILD, BUILD_LINE_ROWS and BUILD_MESH_NODES describe.
   static GatewareBuild from_registers(std::uint32_t build, std::uint32_t line_rows,
                                       std::uint32_t mesh_nodes);
-  /// The register BUILD.
+  /// Returns the value of the register BUILD.
   std::uint32_t build_register() const;
   bool operator==(const GatewareBuild& other) const;
 };
 
-/// Default parameters, but for those that the build fixes.
+/// Returns the parameters that the build fixes; the others have their defaults.
 Parameters parameters_of(const GatewareBuild& build);
 
+/// A value for a register.
 struct RegisterWrite {
   std::uint32_t address;  // of the word
   std::uint32_t value;
@@ -44,31 +46,37 @@ struct RegisterWrite {
 /// Returns the configuration registers that hold parameters, in ascending address order.
 std::vector<RegisterWrite> parameter_registers(const Parameters& parameters);
 
-/// The value of a register for people: "0x0000001F".
+/// Returns the fields of BUILD that hold parameters.
+std::uint32_t build_fields(const Parameters& parameters);
+
+/// Sets the parameters that the register at this word address holds. Ignores other registers.
+void set_parameters(Parameters& parameters, std::uint32_t address, std::uint32_t word);
+
+/// Returns the value of a register as text: "0x0000001F".
 std::string hex(std::uint32_t value);
 
-/// T_s for both cameras: what their meshes need, and at least a row and two pixels, with which a
-/// mesh that moves nothing works, too.
+/// Returns the delay T_s of rectify, in pixels, that suits the meshes of both cameras. It is at
+/// least a row and two pixels, so an identity mesh works too.
 std::int64_t read_start(const StereoRectification& rectification);
 
-/// Rows that the line buffer of a gateware must have for both cameras.
+/// Returns the rows that each line buffer of a gateware must have.
 int line_rows(const StereoRectification& rectification);
 
-/// Refuses what a gateware of this build cannot do, by name, value and what is allowed.
+/// Refuses the first setting that a gateware of this build cannot have, by name, value and range.
 Status check_build(const GatewareBuild& build, const Parameters& parameters,
                    const StereoRectification& rectification);
 
-/// Everything that configures a gateware.
+/// Registers and meshes that configure a gateware.
 struct GatewareConfiguration {
-  GatewareBuild build;                             // that it was made for
-  std::vector<RegisterWrite> registers;            // the shadow
-  std::array<std::vector<std::uint32_t>, 2> mesh;  // left, right: the words for MESH_DATA
+  GatewareBuild build;                             // it suits gatewares of this build only
+  std::vector<RegisterWrite> registers;            // the shadow configuration
+  std::array<std::vector<std::uint32_t>, 2> mesh;  // left, right: words for MESH_DATA, one per node
 
-  /// As one list of writes, the last of which is CONTROL.apply.
+  /// Returns all register writes in order; the last one is CONTROL.apply.
   std::vector<RegisterWrite> writes() const;
 };
 
-/// What check_build() refuses is refused.
+/// Returns the configuration, or the error of check_build().
 Result<GatewareConfiguration> make_gateware_configuration(const GatewareBuild& build,
                                                           const Parameters& parameters,
                                                           const StereoRectification& rectification);

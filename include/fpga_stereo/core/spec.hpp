@@ -1,6 +1,6 @@
 // Generated from fpga_fw/spec/spec.yaml by fpga_fw/tools/generate_spec: do not edit.
 //
-// The numbers that software and gateware share. RTL twin: fpga_fw/rtl/fs_pkg.sv; for people:
+// The numbers that software and gateware share. RTL twin: fpga_fw/rtl/fs_pkg.sv. Document:
 // fpga_fw/spec/registers.md.
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace fpga_stereo {
 
-/// In data order.
+/// Stages of the pipeline, in data order.
 enum class Stage {
-  kRectify,   // both images onto common rows
-  kCensus,    // a bit per neighbour: darker or not
-  kMatch,     // window sums of Hamming distances
-  kSelect,    // the smallest sum, left and right
-  kCheck,     // left-right and uniqueness
-  kSubpixel,  // parabola through five sums
-  kSpeckle,   // small regions are dropped
+  kRectify,   // moves both images onto common rows
+  kCensus,    // compares each pixel with its neighbours, a bit each
+  kMatch,     // sums Hamming distances over a window
+  kSelect,    // finds the smallest sum, left and right
+  kCheck,     // applies the left-right check and the uniqueness check
+  kSubpixel,  // fits a parabola through five sums
+  kSpeckle,   // drops small regions
 };
 constexpr int kNumStages = 7;
 // clang-format off
@@ -28,73 +28,108 @@ constexpr std::array<const char*, kNumStages> kStageNames{
 // clang-format on
 
 constexpr int kDisparityScale = 32;                         // units of a disparity per px
-constexpr int kDisparityBits = 16;                          // of a disparity, unsigned
-constexpr std::uint16_t kNoDisparity = 0xFFFF;              // in a disparity image: none
-constexpr int kSpeckleLookAhead = 24;                       // rows below that a region may use
-constexpr int kMeshPitch = 8;                               // px between nodes
+constexpr int kDisparityBits = 16;                          // width of a disparity, unsigned
+constexpr std::uint16_t kNoDisparity = 0xFFFF;              // marks a pixel without a disparity
+constexpr int kSpeckleLookAhead = 24;                       // rows of look-ahead of speckle
+constexpr int kMeshPitch = 8;                               // px between mesh nodes
 constexpr int kMeshScale = 128;                             // units of a displacement per px
-constexpr int kMeshBits = 16;                               // of a displacement, signed
+constexpr int kMeshBits = 16;                               // width of a displacement, signed
 constexpr int kSourceScale = 32;                            // units of a source position per px
-constexpr int kMaxWidth = 1920;                             // px, software
-constexpr int kMaxHeight = 1200;                            // px, software
+constexpr int kMaxWidth = 1920;                             // px, software pipeline
+constexpr int kMaxHeight = 1200;                            // px, software pipeline
 constexpr int kGatewareMinWidth = 16;                       // px
-constexpr int kGatewareMaxWidth = 1280;                     // px; a build may have less
+constexpr int kGatewareMaxWidth = 1280;                     // px; a build may allow less
 constexpr int kGatewareMaxHeight = 1200;                    // px
-constexpr int kPixelBits = 8;                               // of a grey value
-constexpr int kUniquenessScale = 256;                       // uniqueness factor units per 1
+constexpr int kPixelBits = 8;                               // width of a grey value
+constexpr int kUniquenessScale = 256;                       // uniqueness factor that means 1
 constexpr int kSpeckleMax = 1000;                           // px, largest speckle_size
 constexpr int kSubpixelNumerator = 7;                       // offset = 7 num / (10 den)
 constexpr int kSubpixelDenominator = 10;                    // offset = 7 num / (10 den)
 constexpr std::uint32_t kSignaturePolynomial = 0x1EDC6F41;  // CRC-32C, without x^32
-constexpr std::uint32_t kSignatureStart = 0xFFFFFFFF;       // before the first pixel
-constexpr int kRegisterBits = 32;                           // of a register
-constexpr int kRegisterAddressBits = 8;                     // of a word address
+constexpr std::uint32_t kSignatureStart = 0xFFFFFFFF;       // signature before the first pixel
+constexpr int kRegisterBits = 32;                           // width of a register
+constexpr int kRegisterAddressBits = 8;                     // width of a word address
 constexpr std::uint32_t kLinkSync = 0xA75346D5;             // first word of a packet
-constexpr std::uint8_t kLinkVersion = 0x01;                 // of the packets
-constexpr int kLinkHeaderBytes = 36;                        // before the payload
-constexpr int kLinkMaxPayloadBytes = 8192;                  // of a packet of the board
-constexpr int kLinkMaxHostPayloadBytes = 4096;              // of a packet of the host
-constexpr int kLinkMaxRequestBytes = 1024;                  // of payload of a request
-constexpr std::uint32_t kLinkFirstSequence = 0xFFFFFFF0;    // number of the first packet
-constexpr std::uint32_t kLinkFirstFrame = 0xFFFFFFF0;       // low word; the high one is all ones
-constexpr std::uint8_t kLinkFirstRegister = 0x60;           // registers from here: the link's
-constexpr int kHeartbeatMs = 500;                           // between signs of life, both ways
-constexpr int kHostTimeoutMs = 2000;                        // of silence, and the board stops
-constexpr int kBoardSilenceMs = 100;                        // until the board gives a packet up
-constexpr int kHostSilenceMs = 1000;                        // until the host does
-constexpr std::uint8_t kPacketReadRegisters = 0x01;         // host
-constexpr std::uint8_t kPacketWriteRegisters = 0x02;        // host
-constexpr std::uint8_t kPacketWriteMesh = 0x03;             // host
-constexpr std::uint8_t kPacketLeader = 0x10;                // both
-constexpr std::uint8_t kPacketRows = 0x11;                  // both
-constexpr std::uint8_t kPacketTrailer = 0x12;               // both
-constexpr std::uint8_t kPacketRegisters = 0x81;             // board: what was read
-constexpr std::uint8_t kPacketWritten = 0x82;               // board: what was written
-constexpr std::uint8_t kPacketRefused = 0x83;               // board: no request that it knows
-constexpr std::uint8_t kPacketHeartbeat = 0x84;             // board
-constexpr std::uint8_t kStreamDisparity = 0x01;             // of frames
-constexpr std::uint8_t kStreamRectifiedLeft = 0x02;         // of frames
-constexpr std::uint8_t kStreamRectifiedRight = 0x03;        // of frames
-constexpr std::uint8_t kStreamRawLeft = 0x04;               // of frames
-constexpr std::uint8_t kStreamRawRight = 0x05;              // of frames
-constexpr std::uint8_t kStreamInput = 0x06;                 // pairs, from the host
-constexpr std::uint8_t kFormatDisparity = 0x01;             // of pixels: u16
-constexpr std::uint8_t kFormatGrey = 0x02;                  // of pixels: u8
-constexpr std::uint32_t kFrameCut = 0x00000001;             // trailer: too few pixels came
-constexpr std::uint32_t kFrameLong = 0x00000002;            // trailer: too many came
-constexpr std::uint32_t kFrameBufferError = 0x00000004;     // trailer: ERRORS.buffer_...
-constexpr std::uint32_t kFrameOverrun = 0x00000008;         // trailer: the link was too slow
-constexpr std::uint32_t kRefusedVersion = 0x00000001;       // why: not this version
-constexpr std::uint32_t kRefusedType = 0x00000002;          // why: no such type
-constexpr std::uint32_t kRefusedLength = 0x00000003;        // why: not with this length
+constexpr std::uint8_t kLinkVersion = 0x01;                 // version of the packets
+constexpr int kLinkMaxPayloadBytes = 8192;                  // in a packet from the board
+constexpr int kLinkMaxHostPayloadBytes = 4096;              // in a packet from the host
+constexpr int kLinkMaxRequestRegisters = 64;                // registers in one request
+constexpr int kLinkMaxRequestNodes = 255;                   // mesh nodes in one request
+constexpr std::uint32_t kLinkFirstSequence = 0xFFFFFFF0;    // sequence of the first packet
+constexpr std::uint32_t kLinkFirstFrame = 0xFFFFFFF0;       // low word of the first frame_id
+constexpr std::uint8_t kLinkFirstRegister = 0x60;           // first register of the link
+constexpr int kHeartbeatMs = 500;                           // longest pause between packets
+constexpr int kHostTimeoutMs = 2000;                        // host silence that stops the board
+constexpr int kBoardSilenceMs = 100;                        // board discards a partial packet
+constexpr int kHostSilenceMs = 1000;                        // host discards a partial packet
+constexpr std::uint8_t kPacketReadRegisters = 0x01;         // from the host
+constexpr std::uint8_t kPacketWriteRegisters = 0x02;        // from the host
+constexpr std::uint8_t kPacketWriteMesh = 0x03;             // from the host
+constexpr std::uint8_t kPacketLeader = 0x10;                // from either side
+constexpr std::uint8_t kPacketRows = 0x11;                  // from either side
+constexpr std::uint8_t kPacketTrailer = 0x12;               // from either side
+constexpr std::uint8_t kPacketRegisters = 0x81;             // from the board: values read
+constexpr std::uint8_t kPacketWritten = 0x82;               // from the board: write done
+constexpr std::uint8_t kPacketRefused = 0x83;               // from the board: packet refused
+constexpr std::uint8_t kPacketHeartbeat = 0x84;             // from the board
+constexpr std::uint8_t kStreamDisparity = 0x01;             // frames from the board
+constexpr std::uint8_t kStreamRectifiedLeft = 0x02;         // frames from the board
+constexpr std::uint8_t kStreamRectifiedRight = 0x03;        // frames from the board
+constexpr std::uint8_t kStreamRawLeft = 0x04;               // frames from the board
+constexpr std::uint8_t kStreamRawRight = 0x05;              // frames from the board
+constexpr std::uint8_t kStreamInput = 0x06;                 // pairs from the host
+constexpr std::uint8_t kFormatDisparity = 0x01;             // pixels are u16
+constexpr std::uint8_t kFormatGrey = 0x02;                  // pixels are u8
+constexpr std::uint32_t kFrameCut = 0x00000001;             // flag: too few pixels arrived
+constexpr std::uint32_t kFrameLong = 0x00000002;            // flag: too many pixels arrived
+constexpr std::uint32_t kFrameBufferError = 0x00000004;     // flag: rectify missed a pixel
+constexpr std::uint32_t kFrameOverrun = 0x00000008;         // flag: the link was too slow
+constexpr std::uint32_t kRefusedVersion = 0x00000001;       // reason: unknown version
+constexpr std::uint32_t kRefusedType = 0x00000002;          // reason: unknown type
+constexpr std::uint32_t kRefusedLength = 0x00000003;        // reason: length not allowed
 
-/// The specification hash: software and gateware of different ones do not work together.
-constexpr std::uint32_t kSpecHash = 0xECCB4646;
+// Build parameters of a gateware unless a board sets others.
+constexpr int kDefaultMaxWidth = 640;          // px
+constexpr int kDefaultDisparities = 64;        // disparity_range
+constexpr int kDefaultCensusWindow = 11;       // px
+constexpr int kDefaultCorrelationWindow = 15;  // px
+constexpr int kDefaultLineRows = 102;          // rows of each line buffer
+constexpr int kDefaultMeshNodes = 5120;        // nodes that one mesh may have
+
+// Byte offsets in the header of each packet.
+constexpr int kLinkHeaderBytes = 36;
+constexpr int kLinkHeaderSyncAt = 0;
+constexpr int kLinkHeaderVersionAt = 4;
+constexpr int kLinkHeaderTypeAt = 5;
+constexpr int kLinkHeaderFlagsAt = 6;
+constexpr int kLinkHeaderStreamAt = 7;
+constexpr int kLinkHeaderLengthAt = 8;
+constexpr int kLinkHeaderIndexAt = 10;
+constexpr int kLinkHeaderSequenceAt = 12;
+constexpr int kLinkHeaderFrameIdAt = 16;
+constexpr int kLinkHeaderTimestampAt = 24;
+constexpr int kLinkHeaderCrcAt = 32;
+
+// Byte offsets in the payload of a leader packet.
+constexpr int kLinkLeaderBytes = 12;
+constexpr int kLinkLeaderWidthAt = 0;
+constexpr int kLinkLeaderHeightAt = 2;
+constexpr int kLinkLeaderFormatAt = 4;
+constexpr int kLinkLeaderConfigurationAt = 8;
+
+// Byte offsets in the payload of a trailer packet.
+constexpr int kLinkTrailerBytes = 12;
+constexpr int kLinkTrailerRowsAt = 0;
+constexpr int kLinkTrailerFlagsAt = 4;
+constexpr int kLinkTrailerSignatureAt = 8;
+
+/// The specification hash. The host refuses a gateware with another hash.
+constexpr std::uint32_t kSpecHash = 0x0C223E13;
 
 /// The register map of the gateware.
 namespace spec {
 
-/// Some bits of a register.
+/// Bits of a register.
 struct Field {
   int lsb, bits;
 
@@ -106,7 +141,7 @@ struct Field {
 struct FieldInfo {
   const char* name;
   Field field;
-  const char* parameter;  // of the pipeline, that it sets or shows; "" = none
+  const char* parameter;  // pipeline parameter that the field holds, or ""
   const char* about;
 };
 
@@ -116,12 +151,12 @@ struct Register {
   const char* name;
   std::uint32_t address;  // of the word; byte address = 4 x this
   Access access;
-  std::optional<std::uint32_t> reset;  // none: from the build parameters of the gateware
+  std::optional<std::uint32_t> reset;  // nullopt: a build parameter of the gateware gives it
   const char* about;
-  std::vector<FieldInfo> fields;  // empty: one number
+  std::vector<FieldInfo> fields;  // empty: one number of 32 bits
 };
 
-/// Every register, by address.
+/// Returns all registers in ascending address order.
 const std::vector<Register>& register_table();
 
 // Word addresses, reset values, fields.
@@ -130,7 +165,7 @@ constexpr std::uint32_t kRegIdentity = 0x00;
 constexpr std::uint32_t kRegIdentityReset = 0x46535431;
 
 constexpr std::uint32_t kRegSpecHash = 0x01;
-constexpr std::uint32_t kRegSpecHashReset = 0xECCB4646;
+constexpr std::uint32_t kRegSpecHashReset = 0x0C223E13;
 
 constexpr std::uint32_t kRegVersion = 0x02;
 constexpr std::uint32_t kRegVersionReset = 0x00000001;
