@@ -1,6 +1,6 @@
-# How this project's targets are compiled.
+# Functions that set up this project's targets.
 
-# fpga_stereo_target(TARGET): language, warnings and sanitizers.
+# fpga_stereo_target(TARGET): sets language, warnings and sanitizers.
 function(fpga_stereo_target target)
   target_compile_features(${target} PUBLIC cxx_std_17)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
@@ -10,14 +10,14 @@ function(fpga_stereo_target target)
   endif()
   if(FPGA_STEREO_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${FPGA_STEREO_SANITIZE} -fno-omit-frame-pointer)
-    # GCC warns about its own std::regex when sanitizers are on.
+    # GCC gives false warnings about std::regex when sanitizers are on.
     target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
     target_link_options(${target} PUBLIC -fsanitize=${FPGA_STEREO_SANITIZE})
   endif()
 endfunction()
 
-# fpga_stereo_ros_target(TARGET): the same for targets that use ROS and this package's generated
-# headers. Headers of other packages are SYSTEM, because their warnings are not ours to fix.
+# fpga_stereo_ros_target(TARGET): as fpga_stereo_target(), for targets that use ROS and this
+# package's generated headers. Those headers are SYSTEM: the compiler does not warn about them.
 function(fpga_stereo_ros_target target)
   fpga_stereo_target(${target})
   target_include_directories(${target} SYSTEM PUBLIC
@@ -25,9 +25,9 @@ function(fpga_stereo_ros_target target)
   add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 endfunction()
 
-# fpga_stereo_layer(TARGET LAYER): gives the target an include path that has the headers of its
-# layer and nothing else: a file that includes a header of a layer above its own does not compile.
-# The folder holds two links, fpga_stereo/LAYER (public headers) and LAYER (internal ones).
+# fpga_stereo_layer(TARGET LAYER): gives the target an include path with only the headers of its
+# layer, so that a file that includes a header of a higher layer does not compile. The folder has two
+# symbolic links: fpga_stereo/LAYER to the public headers and LAYER to the internal ones.
 function(fpga_stereo_layer target layer)
   set(folder ${PROJECT_BINARY_DIR}/layers/${layer})
   file(MAKE_DIRECTORY ${folder}/fpga_stereo)

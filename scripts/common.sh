@@ -1,16 +1,16 @@
-# Shared by the scripts of this folder; to be sourced by bash. They run as root or with sudo, ask
-# nothing, and say what they do.
+# Functions and settings of the scripts in this folder, which source it. The scripts run as root or
+# with sudo, never ask, and print each step.
 
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build
 
-# Nothing but the distribution's programs: a python3 from elsewhere in PATH breaks catkin.
+# Only programs of the distribution: another python3 in PATH breaks catkin.
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 export DEBIAN_FRONTEND=noninteractive
 unset ROS_HOSTNAME
-export ROS_IP=127.0.0.1  # nothing here leaves the machine
+export ROS_IP=127.0.0.1  # nodes talk to each other on this machine only
 export ROS_LOG_DIR=$build/ros/log
 export ROS_HOME=$build/ros/home
 
@@ -21,12 +21,14 @@ as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo -E "$@"; fi
 }
 
-# install_packages GROUP...: what scripts/packages lists for the groups and is not there yet.
+is_ubuntu_2004() {
+  [ -r /etc/os-release ] && (. /etc/os-release && [ "${VERSION_CODENAME:-}" = focal ])
+}
+
+# install_packages GROUP...: installs the packages that scripts/packages lists for these groups.
 install_packages() {
   local column=2
-  if [ -r /etc/os-release ] && (. /etc/os-release && [ "${VERSION_CODENAME:-}" = focal ]); then
-    column=3
-  fi
+  if is_ubuntu_2004; then column=3; fi
   local group names missing=()
   for group in "$@"; do
     names=$(awk -v g="$group" -v c="$column" '$1 == g && $c != "-" { print $c }' \
@@ -38,16 +40,16 @@ install_packages() {
     done
   done
   if [ ${#missing[@]} = 0 ]; then
-    say "Every package for $* is installed"
+    say "All packages of the groups $* are installed"
     return
   fi
-  say "Installing ${#missing[@]} packages for $*: ${missing[*]}"
+  say "Installing ${#missing[@]} packages of the groups $*: ${missing[*]}"
   as_root apt-get update -qq
   as_root apt-get install -y -qq --no-install-recommends "${missing[@]}" >"$build/apt.log" 2>&1 ||
-    { tail -n 20 "$build/apt.log" >&2; die "apt-get install failed; the whole log is $build/apt.log"; }
+    { tail -n 20 "$build/apt.log" >&2; die "apt-get install failed; the complete log is $build/apt.log"; }
 }
 
-# Source a file of ROS, which does not mind unset variables.
+# source_ros FILE: sources a setup file of ROS; those use variables that may be unset.
 source_ros() {
   set +u
   # shellcheck disable=SC1090
@@ -55,7 +57,7 @@ source_ros() {
   set -u
 }
 
-# The environment of a ROS in /opt/ros, where there is one; Debian's needs none.
+# Sources the setup file of a ROS in /opt/ros, if there is one; Debian's own ROS needs none.
 ros_environment() {
   local setup
   for setup in "/opt/ros/${ROS_DISTRO:-noetic}/setup.sh" /opt/ros/*/setup.sh; do
@@ -66,16 +68,18 @@ ros_environment() {
   done
 }
 
-# build_tree DIRECTORY [CMAKE-ARGUMENT...]
+# build_tree DIRECTORY [CMAKE_ARGUMENT...]: configures and builds the project in DIRECTORY.
 build_tree() {
   local directory=$1
   shift
+  # The only package that Ubuntu 20.04 does not have.
+  if is_ubuntu_2004; then set -- "$@" -DFPGA_STEREO_FETCH_HIGHWAY=ON; fi
   say "Building in ${directory#"$root"/}"
   cmake -S "$root" -B "$directory" "$@" >"$directory.cmake.log" 2>&1 ||
-    { tail -n 30 "$directory.cmake.log" >&2; die "cmake failed; the whole log is $directory.cmake.log"; }
+    { tail -n 30 "$directory.cmake.log" >&2; die "cmake failed; the complete log is $directory.cmake.log"; }
   cmake --build "$directory" -- -j"$(nproc)" >"$directory.make.log" 2>&1 ||
     { grep -nE 'error|warning|\*\*\*' "$directory.make.log" | head -n 40 >&2
-      die "the build failed; the whole log is $directory.make.log"; }
+      die "the build failed; the complete log is $directory.make.log"; }
 }
 
 mkdir -p "$build" "$ROS_LOG_DIR" "$ROS_HOME"
