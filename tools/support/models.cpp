@@ -54,7 +54,9 @@ std::string built(const std::string& arguments, const std::string& folder, int j
 
 }  // namespace
 
-int default_line_rows(int max_width) { return max_width > kSizes.front().width ? 104 : 102; }
+int default_line_rows(int max_width) {
+  return max_width > kSizes.front().width ? 104 : kDefaultLineRows;
+}
 
 GatewareBuild smallest_build(const StereoJob& job, int line_rows) {
   constexpr int kNodesStep = 1024;  // as many lie in a block RAM
