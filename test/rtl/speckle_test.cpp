@@ -299,7 +299,7 @@ TYPED_TEST(RtlSpeckle, HasTheDocumentedLatency) {
 // At full width, every pixel of a row belongs to its own open region, and the stack reaches its
 // maximum depth.
 template <class Model>
-void full_width(int width) {
+void check_full_width(int width) {
   compare<Model>({paint({width, 30}, [](int x, int) { return x % 2 == 0 ? kNear : kFar; }),
                   noise({width, 30}, 0, 0, 0.4, 1)},
                  speckle_parameters(27, 1), {});
@@ -309,9 +309,9 @@ void full_width(int width) {
                         })},
                  speckle_parameters(1000, 1), {});
 }
-TEST(RtlSpeckleFullWidth, Vga) { full_width<SpeckleVga>(640); }
-TEST(RtlSpeckleFullWidth, Small) { full_width<SpeckleSmall>(100); }
-TEST(RtlSpeckleFullWidth, Wide) { full_width<SpeckleWide>(1280); }
+TEST(RtlSpeckleFullWidth, EqualsSoftwareAt640Columns) { check_full_width<SpeckleVga>(640); }
+TEST(RtlSpeckleFullWidth, EqualsSoftwareAt100Columns) { check_full_width<SpeckleSmall>(100); }
+TEST(RtlSpeckleFullWidth, EqualsSoftwareAt1280Columns) { check_full_width<SpeckleWide>(1280); }
 
 }  // namespace
 }  // namespace fpga_stereo::test

@@ -364,7 +364,7 @@ TEST_P(RtlTop, SignaturesIdentifyTheFirstStageThatDiffers) {
   EXPECT_EQ(found(changed, pairs[0]), "speckle");
 }
 
-TEST_P(RtlTop, NamesWhatTheBuildDoesNotSupport) {
+TEST_P(RtlTop, RefusesWhatTheBuildDoesNotSupport) {
   const cv::Size size(40, 30);
   Gateware gateware = open_model();
   const auto expect_refused = [&](const Parameters& p, const StereoRectification& r,

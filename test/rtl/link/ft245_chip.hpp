@@ -40,7 +40,7 @@ class Ft245Chip {
   void before_edge() {
     const bool rd = !model_.rd_no, wr = !model_.wr_no, oe = !model_.oe_no,
                drives = model_.data_oe_o;
-    ASSERT_FALSE(drives && oe) << "both drive the bus";
+    ASSERT_FALSE(drives && oe) << "the FPGA and the chip both drive the bus";
     ASSERT_FALSE(drives && was_enabled_)
         << "the FPGA drives the bus before the chip has released it";
     ASSERT_FALSE(oe && fpga_drove_) << "the chip drives the bus before the FPGA has released it";
