@@ -1,4 +1,4 @@
-// Work on bands of rows, in parallel, by the threads of OpenCV's pool, which persist.
+// Runs work on bands of image rows in parallel, by the persistent threads of OpenCV's pool.
 #pragma once
 
 #include <functional>
@@ -6,7 +6,8 @@
 
 namespace fpga_stereo {
 
-/// Calls work(band, rows) for `bands` bands of the rows 0 .. height - 1, at most one per row.
+/// Divides the rows 0 .. height - 1 into `bands` bands, or one per row if there are fewer rows, and
+/// calls work(band, rows) for each. Returns when all are done. Calls run in parallel.
 void for_each_band(int height, int bands, const std::function<void(int, cv::Range)>& work);
 
 }  // namespace fpga_stereo

@@ -8,7 +8,7 @@
 
 namespace fpga_stereo {
 
-/// Offsets from the centre in raster order; their number is the number of census bits.
+/// Returns the offsets from the centre in raster order. There is one census bit per offset.
 std::vector<cv::Point> census_neighbours(const Parameters& parameters);
 
 }  // namespace fpga_stereo

@@ -1,4 +1,4 @@
-// The scalar rectification of some pixels of a row: what the SIMD kernels leave to it, too.
+// Scalar rectification of pixels of a row. SIMD uses it at the borders of the raw image.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,11 @@
 
 namespace fpga_stereo {
 
-/// Pixels x0 .. x1 - 1: bilinear over 2 x 2, rounded half up; a pixel outside the raw image is 0.
+/// Rectifies the pixels x0 .. x1 - 1 of a row: interpolates bilinearly over 2 x 2 raw pixels,
+/// rounded half up. Taps outside the raw image are 0.
 template <int kChannels>
 void rectify_pixels(const cv::Mat& raw, const MeshRow& mesh, int x0, int x1, std::uint8_t* out) {
-  constexpr int kOne = kSourceScale;  // what the weights of two neighbours add up to
+  constexpr int kOne = kSourceScale;  // sum of the weights of two neighbours
   for (int x = x0; x < x1; ++x) {
     const cv::Point source = mesh.source(x);
     const int left = source.x >> kSourceShift;

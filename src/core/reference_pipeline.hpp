@@ -1,4 +1,4 @@
-// The pipeline as the scalar stages state it, with what every stage gives: normative, and slow.
+// Runs the scalar stages, which are normative, and keeps the output of every stage. Slow.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,21 +11,21 @@
 
 namespace fpga_stereo {
 
-/// The output of every stage for one frame. Valid until the next frame is processed.
+/// The output of every stage for an image pair. Valid until the next pair is processed.
 struct Taps {
   cv::Mat1b left, right;          // rectified; right is shifted by min_disparity
   cv::Mat left_bits, right_bits;  // census
   Selection selection;
   cv::Mat1b kept;
-  cv::Mat1w refined;    // of subpixel
-  cv::Mat1w disparity;  // of speckle: the result, 1/32 px, kNoDisparity = none
+  cv::Mat1w refined;    // output of subpixel
+  cv::Mat1w disparity;  // output of speckle, the result: 1/32 px; kNoDisparity if invalid
   StageTimes ms{};
 };
 
 class ReferencePipeline {
  public:
-  /// Runs every stage. The result does not depend on `num_threads` (>= 1), which limits how many
-  /// threads of OpenCV's pool work on the frame. The images must pass validate_image.
+  /// Runs every stage on up to `num_threads` (>= 1) threads of OpenCV's pool. Results do not depend
+  /// on the number of threads. The images must pass validate_image().
   const Taps& process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
                       const StereoRectification& rectification, const Parameters& parameters,
                       int num_threads);

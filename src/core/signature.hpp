@@ -1,6 +1,6 @@
-// The output of a stage for one frame in one number, as the gateware reports it in its registers
-// SIGNATURE_...: what a board computed is compared with software without carrying every image.
-// fpga_fw/spec/registers.md defines it.
+// Signatures: checksums of the output of a stage for one frame. The gateware reports them in its
+// SIGNATURE registers, so that tests can compare every stage with software without transferring all
+// images. fpga_fw/spec/registers.md defines them.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace fpga_stereo {
 
-/// Of the words of a frame, one per pixel in raster order.
+/// The signature of the words of a frame, one per pixel in raster order.
 class Signature {
  public:
   explicit Signature(std::uint32_t value = kSignatureStart) : value_(value) {}
@@ -28,18 +28,20 @@ class Signature {
   std::uint32_t value_;
 };
 
-/// The word of one pixel. For check it is `kept`, for subpixel and speckle the disparity.
+// The word of a pixel, by stage. For check it is `kept`, for subpixel and speckle the disparity.
+
 std::uint32_t rectify_word(std::uint8_t left, std::uint8_t right);
-/// Census bits of a pixel, as census packs them into `words` words.
+/// `left` and `right` point to the census bits of a pixel, which census packs into `words` words.
 std::uint32_t census_word(const std::uint32_t* left, const std::uint32_t* right, int words);
-/// Column x of the sums of a row: S(x, y, d) for every d.
+/// `sums` holds the window sums of a row: column x has S(x, y, d) for every d.
 std::uint32_t match_word(const cv::Mat1w& sums, int x);
 std::uint32_t select_word(const Selection& s, int x, int y);
 
-/// Of an image (8UC1 or 16UC1), its pixels as words.
+/// Returns the signature of an image (8UC1 or 16UC1) whose pixels are the words.
 std::uint32_t image_signature(const cv::Mat& image);
 
-/// The signatures of a frame, by Stage. The sums of match are no tap: they are computed again.
+/// Returns the signatures of a frame, indexed by Stage. Taps have no window sums, so match runs
+/// again.
 std::array<std::uint32_t, kNumStages> stage_signatures(const Taps& taps, const Parameters& p);
 
 }  // namespace fpga_stereo

@@ -1,10 +1,11 @@
 // The data path on one screen: one function per stage, in data order. fpga_fw/spec/pipeline.md
-// defines what each computes, bit for bit; these functions state that definition and are normative.
+// defines what each computes, bit for bit. These functions implement that definition and are
+// normative.
 //
 //   rectify -> census -> match -> select -> check -> subpixel -> speckle
 //
-// Images are W x H, at any row pitch. A stage writes the rows it is given (cv::Range::all() = the
-// image) and creates its output where it has not the right size yet, so bands of rows may run in
+// Images are W x H with any row pitch. A stage writes only the rows it is given (cv::Range::all() =
+// the whole image). It creates its output if the size or type differs, so bands of rows may run in
 // parallel once the output exists. Disparities d run from 0 to disparity_range - 1.
 #pragma once
 
@@ -19,16 +20,16 @@
 
 namespace fpga_stereo {
 
-/// What select knows of every left pixel (right_winner: of every right pixel).
+/// The output of select, by left pixel; right_winner is by right pixel.
 struct Selection {
   cv::Mat1b winner;                            // dL, the disparity with the smallest sum
   cv::Mat1b right_winner;                      // dR
   cv::Mat1w winner_sum;                        // v1 = S(dL)
-  cv::Mat1w runner_up_sum;                     // v2, the smallest sum but for dL-1, dL, dL+1
-  cv::Mat_<cv::Vec<std::uint16_t, 5>> around;  // S(dL-2) .. S(dL+2); 0 beyond the search range
+  cv::Mat1w runner_up_sum;                     // v2, the smallest sum outside dL-1, dL, dL+1
+  cv::Mat_<cv::Vec<std::uint16_t, 5>> around;  // S(dL-2) .. S(dL+2); 0 outside the search range
 };
 
-/// raw (8UC1 or 8UC3) -> rectified, of the size of the mesh.
+/// raw (8UC1 or 8UC3) -> rectified, with the size of the mesh.
 void rectify(const cv::Mat& raw, const Mesh& mesh, cv::Range rows, cv::Mat& rectified);
 
 /// image -> bits, 32SC(n): neighbour k in raster order is bit k % 32 of channel k / 32.
@@ -37,29 +38,29 @@ void census(const cv::Mat1b& image, const Parameters& p, cv::Range rows, cv::Mat
 /// Census images -> window sums S(x, y, d), a row at a time from running sums.
 class Match {
  public:
-  /// The images must outlive the use; next() then gives row `first_row` and those below.
+  /// Prepares the rows from `first_row` down. Keeps references to the images.
   void start(const cv::Mat& left_bits, const cv::Mat& right_bits, const Parameters& p,
              int first_row);
-  /// S of the next row: disparity_range x W. Valid until the next call.
+  /// Returns S of the next row: disparity_range x W. Valid until the next call.
   const cv::Mat1w& next();
 
  private:
   void hamming(int y, cv::Mat1b& row) const;
 
   cv::Mat left_, right_;            // census bits
-  int half_ = 0;                    // of the census bits: chance
+  int half_ = 0;                    // of the census bits: h outside the right image
   int radius_ = 0;                  // of the correlation window
   int first_summed_ = 0, row_ = 0;  // image rows
   std::vector<cv::Mat1b> hamming_;  // per row of the window, D x W
   cv::Mat1w columns_, sums_;        // D x W
 };
 
-/// S of row y -> winner, right winner, rival and neighbours of row y. `out` is W x H.
+/// S of row y -> winner, right winner, runner-up and neighbours of row y. `out` is W x H.
 void select(const cv::Mat1w& sums, int y, Selection& out);
-/// Gives `out` the size of an image.
+/// Creates the images of `out` for an image size.
 void create(Selection& out, cv::Size size);
 
-/// Left-right and uniqueness -> kept, 1 where a pixel passes, else 0.
+/// Left-right check and uniqueness check -> kept, 1 where a pixel passes, else 0.
 void check(const Selection& s, const Parameters& p, cv::Range rows, cv::Mat1b& kept);
 
 /// Parabola through five sums -> disparity in 1/32 px, kNoDisparity where not kept.

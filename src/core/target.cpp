@@ -4,8 +4,9 @@
 
 #include <cstdint>
 #include <cstdlib>
-#include <mutex>
 #include <utility>
+
+#include "core/thread_safety.hpp"
 
 #ifdef FPGA_STEREO_SIMD
 #include <hwy/highway.h>
@@ -57,7 +58,7 @@ class TargetChoice {
   }
 
   std::string name() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const MutexLock lock(mutex_);
     return name_;
   }
   const Status& status_of_variable() const { return status_; }
@@ -66,7 +67,7 @@ class TargetChoice {
     std::string allowed;
     for (const Target& target : available_targets()) {
       if (target.name == name) {
-        const std::lock_guard<std::mutex> lock(mutex_);
+        const MutexLock lock(mutex_);
         set_dispatch(target);
         name_ = name;
         return {};
@@ -80,9 +81,9 @@ class TargetChoice {
   }
 
  private:
-  mutable std::mutex mutex_;
-  std::string name_;
-  Status status_;
+  mutable Mutex mutex_;
+  std::string name_ FPGA_STEREO_GUARDED_BY(mutex_);
+  Status status_;  // of the environment variable; constant after construction
 };
 
 TargetChoice& choice() {

@@ -1,4 +1,4 @@
-// Disparity and colour to points, in one pass, in the byte layouts that PCL and rviz read.
+// Converts disparity and colour images to point clouds in the byte layouts of PCL and rviz.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 namespace fpga_stereo {
 
 enum class PointColor {
-  kRgb,   // bytes b, g, r, 0 in a float field
-  kMono,  // intensity, float, 0 .. 255
-  kNone,  // xyz only
+  kRgb,   // a float field with the bytes b, g, r, 0
+  kMono,  // a float field with the intensity, 0 .. 255
+  kNone,  // no colour field
 };
 
 struct CloudLayout {
   PointColor color = PointColor::kRgb;
-  bool padded = true;     // as PCL aligns: rgb and mono 32 bytes, xyz 16; else 16, 16, 12
-  bool organized = true;  // as the image, NaN where there is no point; else valid points only
-  int decimation = 1;     // every n-th column of every n-th row
+  bool padded = true;     // aligned as PCL does it: 32 bytes, 16 for kNone; else 16 and 12
+  bool organized = true;  // a point per pixel, NaN if invalid; else valid points only
+  int decimation = 1;     // >= 1; uses every n-th column of every n-th row
 
   constexpr int color_offset() const { return padded ? 16 : 12; }
   constexpr int point_step() const {
@@ -29,14 +29,14 @@ struct CloudLayout {
 };
 
 struct Cloud {
-  int width = 0, height = 0;  // points; height 1 where not organized
+  int width = 0, height = 0;  // points; the height is 1 if not organized
   std::vector<std::uint8_t> data;
 };
 
-/// Points in metres: x right, y down, z forward from the left camera. `color` is the left
-/// rectified image, 8UC1 or 8UC3 (bgr), of the size of the disparity (may be empty for kNone); it
-/// also fills points without a place. A point is valid where there is a disparity and its depth is
-/// positive. layout.decimation must be 1 or more. `out` may be used again: its memory is kept.
+/// Converts to points in metres: x right, y down, z forward from the left camera. `color` is the
+/// left rectified image, 8UC1 or 8UC3 (bgr), of the size of `disparity`; it may be empty for kNone.
+/// Invalid points have a colour, too. A point is valid if its pixel has a disparity and its depth
+/// is positive. Reuses the memory of `out`.
 void to_cloud(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
               const CloudLayout& layout, Cloud& out);
 

@@ -1,5 +1,5 @@
-// Expected failures are values: a function that can fail for reasons outside the program returns
-// a Result, and says what is wrong, which value it has and what is allowed.
+// Expected failures are values: a function that can fail for reasons outside the program returns a
+// Result or a Status. Error messages name the thing, its value and what is allowed.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 namespace fpga_stereo {
 
 enum class ErrorKind {
-  kInvalid,       // a value out of its range
-  kUncalibrated,  // a camera that nobody has calibrated yet
-  kCalibration,   // a calibration that cannot be used
-  kImageSize,     // an image whose size is not the expected one
-  // Of a link.
-  kNotFound,      // no such device
+  kInvalid,       // a value is out of range
+  kUncalibrated,  // the camera has not been calibrated yet
+  kCalibration,   // the calibration cannot be used
+  kImageSize,     // an image has an unexpected size
+  // Errors of the link to a board.
+  kNotFound,      // the device does not exist
   kBusy,          // another program has the device
-  kPermission,    // the device may not be opened
+  kPermission,    // the user may not open the device
   kUnplugged,     // the device was unplugged
-  kIo,            // the line does not work
-  kIncompatible,  // a board that this software cannot work with
+  kIo,            // reading or writing failed
+  kIncompatible,  // this software cannot work with the board
   kTimeout,       // no answer in time
 };
 
@@ -28,7 +28,8 @@ struct Error {
   std::string message;
 };
 
-/// A value, or the Error that explains why there is none.
+/// A value, or the Error that prevented it. Access * and -> only if the Result is true, and error()
+/// only if it is false: anything else throws std::bad_variant_access.
 template <class T>
 class [[nodiscard]] Result {
  public:

@@ -68,8 +68,8 @@ struct CensusPlanes {
   cv::Mat1b bytes_;
 };
 
-/// Window sums of a block of columns, which match computes and select reads. A ring over columns:
-/// those of the last disparity_range columns are there as well.
+/// Window sums of a block of columns, which match computes and select reads. In a ring over
+/// columns: it still holds the last disparity_range columns.
 struct WindowSums {
   std::uint16_t* ring;   // row 0; kLaneGroup lanes of 0xFFFF stand around each row
   std::ptrdiff_t pitch;  // lanes from row to row

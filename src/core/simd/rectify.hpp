@@ -10,9 +10,10 @@
 namespace fpga_stereo::simd {
 
 /// The sources of the eight rectified pixels of one mesh cell. Maps are smooth, so these lie within
-/// 16 columns and 3 rows of the raw image, of which each pixel reads 2 x 2.
+/// 16 columns and 3 rows of the raw image, of which each pixel reads 2 x 2. A scattered cell is one
+/// for which this does not hold, or which reads outside the raw image.
 struct SourceCell {
-  std::int16_t x, y;                // raw pixel at the top left; x = kScattered: they do not
+  std::int16_t x, y;                // top left pixel of these; x = kScattered for scattered cells
   std::uint8_t column[kMeshPitch];  // left column that a pixel reads, 0 .. 14 from x
   std::uint8_t wx[kMeshPitch];      // weight of the right column, 1/32
   std::uint8_t wy[kMeshPitch];      // weight of the lower row, 1/32, + kSecondRow if that is row 2
