@@ -40,12 +40,13 @@ struct BorderedImage {
   }
 };
 
-/// An image for census. 255 in the border is darker than no pixel, so neighbours outside give 0.
+/// An image for census. Its border of 255 is never darker than a pixel, so neighbours outside the
+/// image give 0.
 struct CensusImage : BorderedImage<std::uint8_t> {
   void create(cv::Size size) { BorderedImage::create(size, max_census_radius(), 255); }
 };
 
-/// A disparity image. speckle reads kNoDisparity to the left of each row.
+/// A disparity image. Its border holds kNoDisparity, which speckle reads to the left of each row.
 struct DisparityImage : BorderedImage<std::uint16_t> {
   void create(cv::Size size);
 };
@@ -59,19 +60,19 @@ struct CensusPlanes {
   std::ptrdiff_t pitch = 0;   // bytes from plane to plane of a row
 
   void create(cv::Size size, const Parameters& p);
-  /// Pixel 0 of plane 0. lanes_per_pixel() bytes in front of each plane may be read.
+  /// Returns pixel 0 of plane 0. Up to lanes_per_pixel() bytes before each plane may be read.
   std::uint8_t* row(int y) { return bytes_[y] + margin_; }
   const std::uint8_t* row(int y) const { return bytes_[y] + margin_; }
 
  private:
-  int margin_ = 0;  // bytes in front of a plane
+  int margin_ = 0;  // bytes before a plane
   cv::Mat1b bytes_;
 };
 
-/// Window sums of a block of columns, which match computes and select reads. In a ring over
-/// columns: it still holds the last disparity_range columns.
+/// Window sums of a block of columns, which match computes and select reads. They are stored in a
+/// ring with a row per column, which still holds at least disparity_range columns before the block.
 struct WindowSums {
-  std::uint16_t* ring;   // row 0; kLaneGroup lanes of 0xFFFF stand around each row
+  std::uint16_t* ring;   // row 0; kLaneGroup lanes of 0xFFFF surround each row
   std::ptrdiff_t pitch;  // lanes from row to row
   int mask;              // rows of the ring - 1; column x is in row x & mask
   int range, lanes;      // disparities; lanes per pixel, 0xFFFF where there is no disparity
@@ -90,8 +91,8 @@ struct SelectionRow {
   std::uint16_t* around[5];  // S(dL-2) .. S(dL+2); undefined outside the search range
 };
 
-/// Memory of a SelectionRow. kBorder elements behind each array exist, and lanes_per_pixel() in
-/// front of winner and right_winner.
+/// Owns the arrays of a SelectionRow. Each has kBorder elements behind the row; winner and
+/// right_winner also have lanes_per_pixel() elements before it.
 class SelectionBuffer {
  public:
   /// Sets everything to 0.

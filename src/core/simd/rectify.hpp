@@ -1,4 +1,4 @@
-// rectify: where the pixels of a rectified image come from, in the form that is fetched fastest.
+// rectify: a table of the sources of rectified pixels, laid out for fast access.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,10 @@ struct SourceCell {
   std::int16_t x, y;                // top left pixel of these; x = kScattered for scattered cells
   std::uint8_t column[kMeshPitch];  // left column that a pixel reads, 0 .. 14 from x
   std::uint8_t wx[kMeshPitch];      // weight of the right column, 1/32
-  std::uint8_t wy[kMeshPitch];      // weight of the lower row, 1/32, + kSecondRow if that is row 2
+  std::uint8_t wy[kMeshPitch];      // weight of the lower row, 1/32; see kSecondRow
 };
 constexpr std::int16_t kScattered = -1;
+/// Flag in wy: the pixel reads the second and third row, not the first and second.
 constexpr std::uint8_t kSecondRow = 0x80;
 
 /// The source cells of an image, for a mesh and a raw image size that many frames share.

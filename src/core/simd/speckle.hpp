@@ -12,14 +12,14 @@ namespace fpga_stereo::simd {
 /// The speckle filter. Keeps its memory from frame to frame.
 class SpeckleFilter {
  public:
-  /// Small regions of `disparity` become kNoDisparity; in place. SIMD form of speckle().
+  /// Sets small regions of `disparity` to kNoDisparity, in place. The SIMD form of speckle().
   void apply(const Parameters& p, DisparityImage& disparity);
 
  private:
   /// Bits of a row, pixel x in bit x % 64 of word x / 64; 0 behind the row.
   struct Row {
     std::vector<std::uint64_t> valid;     // the pixel has a disparity
-    std::vector<std::uint64_t> left, up;  // it is connected with its neighbour there
+    std::vector<std::uint64_t> left, up;  // it is connected with that neighbour
     std::vector<std::uint64_t> starts;    // a run starts here
     std::vector<int> runs_before;         // runs of the row that start before a word
     int first_run = 0;
@@ -41,8 +41,8 @@ class SpeckleFilter {
 
   Row rows_[2];                           // the latest two
   std::vector<Run> runs_;                 // in raster order
-  std::vector<int> first_run_;            // by row, and the number of all
-  std::vector<std::uint16_t> empty_row_;  // stands above the image
+  std::vector<int> first_run_;            // of each row; the last entry is the number of runs
+  std::vector<std::uint16_t> empty_row_;  // the row above the image
 };
 
 /// Where connect_row() writes the bits of a row.
