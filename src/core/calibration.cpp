@@ -38,7 +38,7 @@ ImageCamera image_camera(const CameraCalibration& camera) {
 }
 
 template <class Container>
-bool all_finite(const Container& values) {
+bool is_finite(const Container& values) {
   for (const double value : values) {
     if (!std::isfinite(value)) return false;
   }
@@ -50,9 +50,9 @@ Error error(ErrorKind kind, fmt::format_string<Arguments...> text, Arguments&&..
   return {kind, fmt::format(text, std::forward<Arguments>(arguments)...)};
 }
 
-std::string text(cv::Size size) { return fmt::format("{}x{}", size.width, size.height); }
+std::string to_text(cv::Size size) { return fmt::format("{}x{}", size.width, size.height); }
 
-bool all_zero(const std::vector<double>& values) {
+bool is_zero(const std::vector<double>& values) {
   for (const double value : values) {
     if (value != 0) return false;
   }
@@ -60,7 +60,7 @@ bool all_zero(const std::vector<double>& values) {
 }
 
 Status validate_distortion(const CameraCalibration& camera, const std::string& name) {
-  if (all_zero(camera.D)) return {};
+  if (is_zero(camera.D)) return {};
   const std::string& model = camera.distortion_model;
   const std::size_t expected = model == "plumb_bob" ? 5 : model == "rational_polynomial" ? 8 : 0;
   if (expected == 0) {
@@ -91,18 +91,18 @@ Status validate_size(const CameraCalibration& camera, const std::string& name) {
         ErrorKind::kCalibration,
         "{} camera_info roi {}+{}+{} does not lie within the image of {}: allowed are parts "
         "of the image, or all 0 for the whole image",
-        name, text(roi.size()), roi.x, roi.y, text({camera.width, camera.height}));
+        name, to_text(roi.size()), roi.x, roi.y, to_text({camera.width, camera.height}));
   }
   if (camera.binning_x < 0 || camera.binning_y < 0 || camera.image_size().empty()) {
     return error(ErrorKind::kCalibration,
                  "{} camera_info binning {}x{} leaves no pixels: allowed 0x0 to {}", name,
                  camera.binning_x, camera.binning_y,
-                 text(roi.empty() ? cv::Size(camera.width, camera.height) : roi.size()));
+                 to_text(roi.empty() ? cv::Size(camera.width, camera.height) : roi.size()));
   }
   const cv::Size size = camera.image_size();
   if (size.width > kMaxWidth || size.height > kMaxHeight) {
     return error(ErrorKind::kImageSize, "{} camera_info describes images of {}: allowed up to {}",
-                 name, text(size), text({kMaxWidth, kMaxHeight}));
+                 name, to_text(size), to_text({kMaxWidth, kMaxHeight}));
   }
   return {};
 }
@@ -124,7 +124,7 @@ ExactMap exact_map(const CameraCalibration& camera, double shift_x) {
   const ImageCamera image = image_camera(camera);
   const cv::Matx33d to_ray = (image.P * image.R).inv();
   std::array<double, 8> k{};
-  if (!all_zero(camera.D)) std::copy(camera.D.begin(), camera.D.end(), k.begin());
+  if (!is_zero(camera.D)) std::copy(camera.D.begin(), camera.D.end(), k.begin());
 
   return [=](double column, double row) -> cv::Point2d {
     const cv::Vec3d ray = to_ray * cv::Vec3d(column - shift_x, row, 1);
@@ -157,10 +157,10 @@ Status validate(const CameraCalibration& camera, const std::string& name) {
                  name);
   }
   if (Status status = validate_size(camera, name); !status) return status;
-  const std::pair<const char*, bool> fields[] = {{"K", all_finite(camera.K)},
-                                                 {"D", all_finite(camera.D)},
-                                                 {"R", all_finite(camera.R)},
-                                                 {"P", all_finite(camera.P)}};
+  const std::pair<const char*, bool> fields[] = {{"K", is_finite(camera.K)},
+                                                 {"D", is_finite(camera.D)},
+                                                 {"R", is_finite(camera.R)},
+                                                 {"P", is_finite(camera.P)}};
   for (const auto& [field, finite] : fields) {
     if (!finite) {
       return error(ErrorKind::kCalibration, "{} camera_info {} has a value that is not finite",
@@ -212,20 +212,20 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
   if (left.image_size() != right.image_size()) {
     return error(ErrorKind::kCalibration,
                  "left and right camera_info describe images of {} and {}: the sizes must be equal",
-                 text(left.image_size()), text(right.image_size()));
+                 to_text(left.image_size()), to_text(right.image_size()));
   }
   const ImageCamera left_image = image_camera(left);
   const ImageCamera right_image = image_camera(right);
-  const auto same = [&](const char* what, double l, double r) -> Status {
+  const auto check_equal = [&](const char* what, double l, double r) -> Status {
     if (std::abs(l - r) <= kMaxDifference) return {};
     return error(ErrorKind::kCalibration,
                  "{} of left and right camera_info P differ ({:.10g} and {:.10g}): they must be "
                  "equal for a rectified pair",
                  what, l, r);
   };
-  if (Status s = same("fx", left_image.P(0, 0), right_image.P(0, 0)); !s) return s.error();
-  if (Status s = same("fy", left_image.P(1, 1), right_image.P(1, 1)); !s) return s.error();
-  if (Status s = same("cy", left_image.P(1, 2), right_image.P(1, 2)); !s) return s.error();
+  if (Status s = check_equal("fx", left_image.P(0, 0), right_image.P(0, 0)); !s) return s.error();
+  if (Status s = check_equal("fy", left_image.P(1, 1), right_image.P(1, 1)); !s) return s.error();
+  if (Status s = check_equal("cy", left_image.P(1, 2), right_image.P(1, 2)); !s) return s.error();
   geometry.fx = right_image.P(0, 0);
   geometry.fy = left_image.P(1, 1);
   geometry.cx = left_image.P(0, 2);
@@ -240,12 +240,13 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
   }
 
   const cv::Size size = geometry.image_size;
-  auto left_made = make_rectification(exact_map(left), size, size, "left");
-  if (!left_made) return left_made.error();
-  pair.left = *left_made;
-  auto right_made = make_rectification(exact_map(right, min_disparity), size, size, "right");
-  if (!right_made) return right_made.error();
-  pair.right = *right_made;
+  auto left_rectification = make_rectification(exact_map(left), size, size, "left");
+  if (!left_rectification) return left_rectification.error();
+  pair.left = *left_rectification;
+  auto right_rectification =
+      make_rectification(exact_map(right, min_disparity), size, size, "right");
+  if (!right_rectification) return right_rectification.error();
+  pair.right = *right_rectification;
   pair.right_unshifted = pair.right.mesh;
   if (min_disparity != 0) {
     auto unshifted = make_rectification(exact_map(right), size, size, "right");

@@ -24,11 +24,11 @@ std::int16_t node_units(double displacement) {
 
 Result<CameraRectification> make_rectification(const ExactMap& map, cv::Size rectified,
                                                cv::Size raw, const std::string& camera) {
-  CameraRectification made;
-  made.mesh.size = rectified;
-  made.mesh.nodes.create(Mesh::node_count(rectified));
-  for (int j = 0; j < made.mesh.nodes.rows; ++j) {
-    for (int i = 0; i < made.mesh.nodes.cols; ++i) {
+  CameraRectification camera_rectification;
+  camera_rectification.mesh.size = rectified;
+  camera_rectification.mesh.nodes.create(Mesh::node_count(rectified));
+  for (int j = 0; j < camera_rectification.mesh.nodes.rows; ++j) {
+    for (int i = 0; i < camera_rectification.mesh.nodes.cols; ++i) {
       const cv::Point2d at(i * kMeshPitch, j * kMeshPitch);
       const cv::Point2d source = map(at.x, at.y);
       if (!std::isfinite(source.x) || !std::isfinite(source.y)) {
@@ -39,20 +39,22 @@ Result<CameraRectification> make_rectification(const ExactMap& map, cv::Size rec
                         camera, at.x, at.y)};
       }
       // Nodes far outside the raw image saturate; mesh_deviation() shows it if a pixel is affected.
-      made.mesh.nodes(j, i) = {node_units(source.x - at.x), node_units(source.y - at.y)};
+      camera_rectification.mesh.nodes(j, i) = {node_units(source.x - at.x),
+                                               node_units(source.y - at.y)};
     }
   }
-  made.deviation = mesh_deviation(made.mesh, map, raw);
-  if (made.deviation.max > kMaxDeviation) {
+  camera_rectification.deviation = mesh_deviation(camera_rectification.mesh, map, raw);
+  if (camera_rectification.deviation.max > kMaxDeviation) {
     return Error{
         ErrorKind::kCalibration,
         fmt::format("{} camera: the rectification mesh is {:.6g} px off the exact map at "
                     "pixel ({}, {}): allowed up to {}; pixels may move by less than 256 px",
-                    camera, made.deviation.max, made.deviation.max_at.x, made.deviation.max_at.y,
-                    kMaxDeviation)};
+                    camera, camera_rectification.deviation.max,
+                    camera_rectification.deviation.max_at.x,
+                    camera_rectification.deviation.max_at.y, kMaxDeviation)};
   }
-  made.line_buffer = line_buffer_need(made.mesh, raw);
-  return made;
+  camera_rectification.line_buffer = line_buffer_need(camera_rectification.mesh, raw);
+  return camera_rectification;
 }
 
 MeshDeviation mesh_deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw) {

@@ -86,10 +86,10 @@ Contender make_ours(const std::string& pattern, const Scene& scene, int disparit
     StereoRectification rectification;
     Parameters parameters;
   };
-  const auto made = make_stereo_rectification(scene.left_camera, scene.right_camera, 0);
-  if (!made) throw std::runtime_error(made.error().message);
+  const auto rectification = make_stereo_rectification(scene.left_camera, scene.right_camera, 0);
+  if (!rectification) throw std::runtime_error(rectification.error().message);
   const auto state = std::make_shared<State>();
-  state->rectification = *made;
+  state->rectification = *rectification;
   state->parameters.disparity_range = disparities;
   if (pattern == "full") state->parameters.census_pattern = CensusPattern::kFull;
   return [state, &scene, threads, scalar = pattern == "sparse_scalar"](StageTimes& ms) {

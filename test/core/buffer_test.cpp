@@ -158,14 +158,14 @@ using BufferData = DataTest;
 // Over both cameras, sources lie from 51.4 rows above to 49.3 rows below the output row.
 TEST_F(BufferData, EurocRows) {
   const CalibrationPair pair = euroc_calibration();
-  const auto made = make_stereo_rectification(pair.left, pair.right, 0);
-  ASSERT_TRUE(made) << made.error().message;
-  const LineBufferNeed left = made->left.line_buffer;
-  const LineBufferNeed right = made->right.line_buffer;
+  const auto rectification = make_stereo_rectification(pair.left, pair.right, 0);
+  ASSERT_TRUE(rectification) << rectification.error().message;
+  const LineBufferNeed left = rectification->left.line_buffer;
+  const LineBufferNeed right = rectification->right.line_buffer;
   EXPECT_NEAR(std::max(left.rows_above, right.rows_above), 51.4, 1.0);
   EXPECT_NEAR(std::max(left.rows_below, right.rows_below), 49.3, 1.0);
-  expect_exact(made->left.mesh, {752, 480});
-  expect_exact(made->right.mesh, {752, 480});
+  expect_exact(rectification->left.mesh, {752, 480});
+  expect_exact(rectification->right.mesh, {752, 480});
   EXPECT_FALSE(check_line_buffer(left, left.rows - 1, "left"));
 }
 

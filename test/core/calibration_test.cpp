@@ -30,12 +30,12 @@ const CameraCalibration kRight = ideal_camera(-25);
 void expect_refused(const CameraCalibration& left, const CameraCalibration& right,
                     const std::vector<std::string>& words,
                     ErrorKind kind = ErrorKind::kCalibration) {
-  const auto made = make_stereo_rectification(left, right, 0);
-  ASSERT_FALSE(made) << "accepted: " << words.front();
-  EXPECT_EQ(made.error().kind, kind) << made.error().message;
+  const auto rectification = make_stereo_rectification(left, right, 0);
+  ASSERT_FALSE(rectification) << "accepted: " << words.front();
+  EXPECT_EQ(rectification.error().kind, kind) << rectification.error().message;
   for (const std::string& word : words) {
-    EXPECT_NE(made.error().message.find(word), std::string::npos)
-        << "\"" << word << "\" is not in: " << made.error().message;
+    EXPECT_NE(rectification.error().message.find(word), std::string::npos)
+        << "\"" << word << "\" is not in: " << rectification.error().message;
   }
 }
 
@@ -58,28 +58,28 @@ void expect_refused(const Change& change, const std::vector<std::string>& words,
 }
 
 TEST(Calibration, IdealPairMovesNothing) {
-  const auto made = make_stereo_rectification(kLeft, kRight, 0);
-  ASSERT_TRUE(made) << made.error().message;
+  const auto rectification = make_stereo_rectification(kLeft, kRight, 0);
+  ASSERT_TRUE(rectification) << rectification.error().message;
   const Mesh identity = Mesh::shift({160, 120}, 0);
-  EXPECT_TRUE(same("left", identity.nodes, made->left.mesh.nodes));
-  EXPECT_TRUE(same("right", identity.nodes, made->right.mesh.nodes));
-  EXPECT_EQ(made->left.mesh.size, cv::Size(160, 120));
-  EXPECT_LT(made->left.deviation.max, 1e-9);
+  EXPECT_TRUE(same("left", identity.nodes, rectification->left.mesh.nodes));
+  EXPECT_TRUE(same("right", identity.nodes, rectification->right.mesh.nodes));
+  EXPECT_EQ(rectification->left.mesh.size, cv::Size(160, 120));
+  EXPECT_LT(rectification->left.deviation.max, 1e-9);
 }
 
 TEST(Calibration, Geometry) {
   CameraCalibration right = kRight;
   right.P[2] = 83;
-  const auto made = make_stereo_rectification(kLeft, right, 5);
-  ASSERT_TRUE(made) << made.error().message;
-  EXPECT_EQ(made->geometry.image_size, cv::Size(160, 120));
-  EXPECT_EQ(made->geometry.fx, 250);
-  EXPECT_EQ(made->geometry.fy, 250);
-  EXPECT_EQ(made->geometry.cx, 80);
-  EXPECT_EQ(made->geometry.cx_right, 83);
-  EXPECT_EQ(made->geometry.cy, 60);
-  EXPECT_DOUBLE_EQ(made->geometry.baseline, 0.1);
-  EXPECT_EQ(made->min_disparity, 5);
+  const auto rectification = make_stereo_rectification(kLeft, right, 5);
+  ASSERT_TRUE(rectification) << rectification.error().message;
+  EXPECT_EQ(rectification->geometry.image_size, cv::Size(160, 120));
+  EXPECT_EQ(rectification->geometry.fx, 250);
+  EXPECT_EQ(rectification->geometry.fy, 250);
+  EXPECT_EQ(rectification->geometry.cx, 80);
+  EXPECT_EQ(rectification->geometry.cx_right, 83);
+  EXPECT_EQ(rectification->geometry.cy, 60);
+  EXPECT_DOUBLE_EQ(rectification->geometry.baseline, 0.1);
+  EXPECT_EQ(rectification->min_disparity, 5);
 }
 
 TEST(Calibration, GeometryWithBinningAndRegionOfInterest) {
@@ -89,31 +89,33 @@ TEST(Calibration, GeometryWithBinningAndRegionOfInterest) {
     c->binning_x = c->binning_y = 2;
     c->roi = {20, 10, 100, 80};
   }
-  const auto made = make_stereo_rectification(left, right, 0);
-  ASSERT_TRUE(made) << made.error().message;
-  EXPECT_EQ(made->geometry.image_size, cv::Size(50, 40));
-  EXPECT_EQ(made->left.mesh.size, cv::Size(50, 40));
-  EXPECT_EQ(made->geometry.fx, 125);
-  EXPECT_EQ(made->geometry.cx, 30);
-  EXPECT_EQ(made->geometry.cy, 25);
-  EXPECT_DOUBLE_EQ(made->geometry.baseline, 0.1)
+  const auto rectification = make_stereo_rectification(left, right, 0);
+  ASSERT_TRUE(rectification) << rectification.error().message;
+  EXPECT_EQ(rectification->geometry.image_size, cv::Size(50, 40));
+  EXPECT_EQ(rectification->left.mesh.size, cv::Size(50, 40));
+  EXPECT_EQ(rectification->geometry.fx, 125);
+  EXPECT_EQ(rectification->geometry.cx, 30);
+  EXPECT_EQ(rectification->geometry.cy, 25);
+  EXPECT_DOUBLE_EQ(rectification->geometry.baseline, 0.1)
       << "the baseline does not depend on the image size";
 }
 
 TEST(Calibration, MinimumDisparityShiftsTheRightMesh) {
   for (const int minimum : {-128, -7, 1, 128}) {
-    const auto made = make_stereo_rectification(kLeft, kRight, minimum);
-    ASSERT_TRUE(made) << made.error().message;
+    const auto rectification = make_stereo_rectification(kLeft, kRight, minimum);
+    ASSERT_TRUE(rectification) << rectification.error().message;
     const cv::Size size(160, 120);
-    EXPECT_TRUE(same("left", Mesh::shift(size, 0).nodes, made->left.mesh.nodes));
-    EXPECT_TRUE(same("right", Mesh::shift(size, -minimum).nodes, made->right.mesh.nodes));
-    EXPECT_TRUE(same("unshifted", Mesh::shift(size, 0).nodes, made->right_unshifted.nodes));
-    const StereoRectification identity = identity_rectification(made->geometry, minimum);
-    EXPECT_TRUE(same("right", identity.right.mesh.nodes, made->right.mesh.nodes));
-    EXPECT_TRUE(same("left", identity.left.mesh.nodes, made->left.mesh.nodes));
-    EXPECT_TRUE(same("unshifted", identity.right_unshifted.nodes, made->right_unshifted.nodes));
+    EXPECT_TRUE(same("left", Mesh::shift(size, 0).nodes, rectification->left.mesh.nodes));
+    EXPECT_TRUE(same("right", Mesh::shift(size, -minimum).nodes, rectification->right.mesh.nodes));
+    EXPECT_TRUE(
+        same("unshifted", Mesh::shift(size, 0).nodes, rectification->right_unshifted.nodes));
+    const StereoRectification identity = identity_rectification(rectification->geometry, minimum);
+    EXPECT_TRUE(same("right", identity.right.mesh.nodes, rectification->right.mesh.nodes));
+    EXPECT_TRUE(same("left", identity.left.mesh.nodes, rectification->left.mesh.nodes));
+    EXPECT_TRUE(
+        same("unshifted", identity.right_unshifted.nodes, rectification->right_unshifted.nodes));
     EXPECT_EQ(identity.min_disparity, minimum);
-    EXPECT_EQ(identity.geometry.baseline, made->geometry.baseline);
+    EXPECT_EQ(identity.geometry.baseline, rectification->geometry.baseline);
   }
 }
 
@@ -253,24 +255,24 @@ using CalibrationData = DataTest;
 
 TEST_F(CalibrationData, EurocGeometry) {
   const CalibrationPair pair = euroc_calibration();
-  const auto made = make_stereo_rectification(pair.left, pair.right, 0);
-  ASSERT_TRUE(made) << made.error().message;
-  EXPECT_EQ(made->geometry.image_size, cv::Size(752, 480));
-  EXPECT_NEAR(made->geometry.fx, 436.23, 0.01);
-  EXPECT_NEAR(made->geometry.cx, 364.44, 0.01);
-  EXPECT_NEAR(made->geometry.cy, 256.95, 0.01);
-  EXPECT_NEAR(made->geometry.baseline, 0.11008, 1e-5);
-  EXPECT_EQ(made->geometry.cx, made->geometry.cx_right);
+  const auto rectification = make_stereo_rectification(pair.left, pair.right, 0);
+  ASSERT_TRUE(rectification) << rectification.error().message;
+  EXPECT_EQ(rectification->geometry.image_size, cv::Size(752, 480));
+  EXPECT_NEAR(rectification->geometry.fx, 436.23, 0.01);
+  EXPECT_NEAR(rectification->geometry.cx, 364.44, 0.01);
+  EXPECT_NEAR(rectification->geometry.cy, 256.95, 0.01);
+  EXPECT_NEAR(rectification->geometry.baseline, 0.11008, 1e-5);
+  EXPECT_EQ(rectification->geometry.cx, rectification->geometry.cx_right);
 }
 
 TEST_F(CalibrationData, ChessboardGeometry) {
   const CalibrationPair pair = chessboard_calibration();
-  const auto made = make_stereo_rectification(pair.left, pair.right, 0);
-  ASSERT_TRUE(made) << made.error().message;
-  EXPECT_NEAR(made->geometry.fx, 516.58, 0.01);
-  EXPECT_NEAR(made->geometry.cx, 336.58, 0.01);
-  EXPECT_NEAR(made->geometry.cy, 244.41, 0.01);
-  EXPECT_NEAR(made->geometry.baseline, 0.0832, 1e-4);
+  const auto rectification = make_stereo_rectification(pair.left, pair.right, 0);
+  ASSERT_TRUE(rectification) << rectification.error().message;
+  EXPECT_NEAR(rectification->geometry.fx, 516.58, 0.01);
+  EXPECT_NEAR(rectification->geometry.cx, 336.58, 0.01);
+  EXPECT_NEAR(rectification->geometry.cy, 244.41, 0.01);
+  EXPECT_NEAR(rectification->geometry.baseline, 0.0832, 1e-4);
 }
 
 }  // namespace

@@ -69,9 +69,9 @@ TEST(ExactMap, IdealCameraGivesTheIdentity) {
   c.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   c.P = {230, 0, 158, 0, 0, 228, 117, 0, 0, 0, 1, 0};
   const ExactMap identity = [](double x, double y) { return cv::Point2d(x, y); };
-  for (const std::vector<double>& none :
+  for (const std::vector<double>& no_distortion :
        {std::vector<double>(), std::vector<double>(5, 0.0), std::vector<double>(4, 0.0)}) {
-    c.D = none;
+    c.D = no_distortion;
     EXPECT_LT(max_difference(exact_map(c), identity, {320, 240}), 1e-9);
   }
 }
@@ -141,11 +141,11 @@ TEST(ExactMap, HomographyByHand) {
 
 TEST(ExactMap, HomographyBecomesAMesh) {
   const std::array<double, 9> matrix{1.01, 0.004, -2.5, -0.003, 0.99, 3.25, 1e-5, -2e-5, 1};
-  const auto made = make_rectification(exact_map(matrix), {640, 480}, {640, 480}, "left");
-  ASSERT_TRUE(made) << made.error().message;
-  EXPECT_LE(made->deviation.max, 1.0 / 16);
-  EXPECT_LE(made->deviation.rms, 1.0 / 32);
-  EXPECT_EQ(made->mesh.nodes(0, 0), cv::Vec2s(-320, 416));
+  const auto rectification = make_rectification(exact_map(matrix), {640, 480}, {640, 480}, "left");
+  ASSERT_TRUE(rectification) << rectification.error().message;
+  EXPECT_LE(rectification->deviation.max, 1.0 / 16);
+  EXPECT_LE(rectification->deviation.rms, 1.0 / 32);
+  EXPECT_EQ(rectification->mesh.nodes(0, 0), cv::Vec2s(-320, 416));
 }
 
 using ExactMapData = DataTest;

@@ -85,8 +85,8 @@ TEST(MakeRectification, NodesAreRoundedHalfUp) {
     const ExactMap map = [=](double x, double y) {
       return cv::Point2d(x + displacement, y - displacement);
     };
-    const auto made = make_rectification(map, {16, 16}, {16, 16}, "left");
-    return made->mesh.nodes(1, 1);
+    const auto rectification = make_rectification(map, {16, 16}, {16, 16}, "left");
+    return rectification->mesh.nodes(1, 1);
   };
   EXPECT_EQ(node(0), cv::Vec2s(0, 0));
   EXPECT_EQ(node(0.5 * unit), cv::Vec2s(1, 0));
@@ -100,10 +100,11 @@ TEST(MakeRectification, RefusesMapsThatAMeshCannotFollow) {
   const ExactMap wave = [](double x, double y) {
     return cv::Point2d(x + 3 * std::sin(CV_PI * x / 8), y);
   };
-  const auto made = make_rectification(wave, {64, 64}, {64, 64}, "right");
-  ASSERT_FALSE(made);
-  EXPECT_EQ(made.error().kind, ErrorKind::kCalibration);
-  EXPECT_NE(made.error().message.find("right"), std::string::npos) << made.error().message;
+  const auto rectification = make_rectification(wave, {64, 64}, {64, 64}, "right");
+  ASSERT_FALSE(rectification);
+  EXPECT_EQ(rectification.error().kind, ErrorKind::kCalibration);
+  EXPECT_NE(rectification.error().message.find("right"), std::string::npos)
+      << rectification.error().message;
 
   const ExactMap far = [](double x, double y) { return cv::Point2d(x, y + 300); };
   EXPECT_FALSE(make_rectification(far, {64, 640}, {64, 640}, "left"))
@@ -121,10 +122,10 @@ TEST(MakeRectification, IgnoresDeviationOutsideTheRawImage) {
   // Columns 24 .. 31 lie between a node that moves and one that does not: off by more than 1 px.
   EXPECT_FALSE(make_rectification(map, {64, 8}, {64, 8}, "left"));
   // If their sources lie outside the raw image as well, the map is accepted.
-  const auto made = make_rectification(map, {64, 8}, {25, 8}, "left");
-  ASSERT_TRUE(made);
-  EXPECT_EQ(made->mesh.nodes(0, 7), cv::Vec2s(32767, 0)) << "saturated";
-  EXPECT_EQ(made->deviation.max, 0);
+  const auto rectification = make_rectification(map, {64, 8}, {25, 8}, "left");
+  ASSERT_TRUE(rectification);
+  EXPECT_EQ(rectification->mesh.nodes(0, 7), cv::Vec2s(32767, 0)) << "saturated";
+  EXPECT_EQ(rectification->deviation.max, 0);
 }
 
 TEST(MeshDeviation, ByHand) {
@@ -150,9 +151,9 @@ using MeshData = DataTest;
 
 TEST_F(MeshData, DeviationOfRealCalibrations) {
   for (const CalibrationPair& pair : {euroc_calibration(), chessboard_calibration()}) {
-    const auto made = make_stereo_rectification(pair.left, pair.right, 0);
-    ASSERT_TRUE(made) << made.error().message;
-    for (const CameraRectification* camera : {&made->left, &made->right}) {
+    const auto rectification = make_stereo_rectification(pair.left, pair.right, 0);
+    ASSERT_TRUE(rectification) << rectification.error().message;
+    for (const CameraRectification* camera : {&rectification->left, &rectification->right}) {
       EXPECT_LE(camera->deviation.max, 1.0 / 16);
       EXPECT_LE(camera->deviation.rms, 1.0 / 32);
       EXPECT_GT(camera->deviation.rms, 1e-3) << "rounding alone causes 0.01";

@@ -173,8 +173,8 @@ TEST_P(Pipelines, TimesOfEveryStage) {
   const cv::Size size(100, 40);
   const SlantedPair pair = textured_pair(size, 13);
   Pipeline pipeline;
-  const DisparityFrame& made = pipeline.process(pair.left, pair.right, identity_for(size), {}, 2);
-  for (std::size_t i = 0; i < made.ms.size(); ++i) EXPECT_GT(made.ms[i], 0) << kStageNames[i];
+  const DisparityFrame& frame = pipeline.process(pair.left, pair.right, identity_for(size), {}, 2);
+  for (std::size_t i = 0; i < frame.ms.size(); ++i) EXPECT_GT(frame.ms[i], 0) << kStageNames[i];
 }
 
 std::string name_of(const ::testing::TestParamInfo<std::string>& info) { return info.param; }

@@ -145,10 +145,10 @@ double difference_from_remap(const CameraCalibration& camera, const Mesh& mesh,
 
 TEST_F(RectifyData, IsCloseToRemapWithTheExactMap) {
   const auto expect_close = [](const CalibrationPair& cameras, const ImagePair& images) {
-    const auto made = make_stereo_rectification(cameras.left, cameras.right, 0);
-    ASSERT_TRUE(made) << made.error().message;
-    EXPECT_LE(difference_from_remap(cameras.left, made->left.mesh, images.left), 0.5);
-    EXPECT_LE(difference_from_remap(cameras.right, made->right.mesh, images.right), 0.5);
+    const auto rectification = make_stereo_rectification(cameras.left, cameras.right, 0);
+    ASSERT_TRUE(rectification) << rectification.error().message;
+    EXPECT_LE(difference_from_remap(cameras.left, rectification->left.mesh, images.left), 0.5);
+    EXPECT_LE(difference_from_remap(cameras.right, rectification->right.mesh, images.right), 0.5);
   };
   for (const int frame : {0, kEurocFrames - 1}) {
     expect_close(euroc_calibration(), euroc_pair(frame));

@@ -212,10 +212,10 @@ TEST_F(SpeckleData, EqualsTheNaiveModel) {
 
 TEST_F(SpeckleData, AgreesWithFilterSpecklesOnTheSequence) {
   const CalibrationPair cameras = euroc_calibration();
-  const auto made = make_stereo_rectification(cameras.left, cameras.right, 0);
-  ASSERT_TRUE(made) << made.error().message;
+  const auto rectification = make_stereo_rectification(cameras.left, cameras.right, 0);
+  ASSERT_TRUE(rectification) << rectification.error().message;
   const ImagePair pair = euroc_pair(0);
-  expect_agreement(pair.left, pair.right, *made, Parameters());
+  expect_agreement(pair.left, pair.right, *rectification, Parameters());
 }
 
 }  // namespace

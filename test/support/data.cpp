@@ -148,12 +148,12 @@ ImagePair chessboard_pair(int number) {
 CalibrationPair chessboard_calibration() {
   const cv::FileStorage in = open("chessboard/intrinsics.yml");
   const cv::FileStorage ex = open("chessboard/extrinsics.yml");
-  const auto made = [&](const std::string& i) {
+  const auto calibration = [&](const std::string& i) {
     const cv::Mat1d D = in["D" + i].mat();
     return camera(kChessboardSize, in["M" + i].mat(), {D.begin(), D.end()}, ex["R" + i].mat(),
                   ex["P" + i].mat());
   };
-  return {made("1"), made("2")};
+  return {calibration("1"), calibration("2")};
 }
 
 }  // namespace fpga_stereo::test

@@ -87,13 +87,13 @@ HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const Se
 }
 
 /// Lane numbers + 1, so that 0 means no lane.
-constexpr auto kNumbers = [] {
+constexpr auto kLaneNumbers = [] {
   std::array<std::uint16_t, 256> values{};
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint16_t>(i + 1);
   return values;
 }();
 /// kMaxSum at a winner in lane 256 and at its neighbours, to exclude them from the runners-up.
-constexpr auto kNeighbours = [] {
+constexpr auto kWinnerMask = [] {
   std::array<std::uint16_t, 2 * 256 + kLaneGroup> values{};
   for (const std::size_t i : {255U, 256U, 257U}) values[i] = kMaxSum;
   return values;
@@ -135,7 +135,7 @@ struct SelectLeft {
       const auto sum = hn::Set(d, out.winner_sum[x + static_cast<int>(k)]);
       pixels[k] = hn::Zero(d);
       for (int i = 0; i < lanes(); i += kLanes) {
-        const auto number = hn::LoadU(d, &kNumbers[static_cast<std::size_t>(i)]);
+        const auto number = hn::LoadU(d, &kLaneNumbers[static_cast<std::size_t>(i)]);
         const auto wins = hn::Eq(hn::LoadU(d, s + i), sum);
         pixels[k] = hn::Max(pixels[k], hn::IfThenElseZero(wins, number));
       }
@@ -154,7 +154,7 @@ struct SelectLeft {
     const std::uint16_t* end = &ends[static_cast<std::size_t>(x) % ends.size()];
     const std::uint16_t* s = sums.column(x);
     for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
-      const std::uint16_t* neighbours = &kNeighbours[std::size_t{257} - end[k]];
+      const std::uint16_t* neighbours = &kWinnerMask[std::size_t{257} - end[k]];
       pixels[k] = hn::Or(hn::LoadU(d, s), hn::LoadU(d, neighbours));
       for (int i = kLanes; i < lanes(); i += kLanes) {
         const auto others = hn::Or(hn::LoadU(d, s + i), hn::LoadU(d, neighbours + i));

@@ -20,7 +20,7 @@ void connect_row(const std::uint16_t* row, const std::uint16_t* above, int width
                  const ConnectedRow& out) {
   const hn::CappedTag<std::uint16_t, 32> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto none = hn::Set(d, kNoDisparity);
+  const auto invalid = hn::Set(d, kNoDisparity);
   const auto end = hn::Set(d, static_cast<std::uint16_t>(range + 1));
   const auto bits = [&](auto mask) {
     std::array<std::uint8_t, 8> bytes{};
@@ -35,7 +35,7 @@ void connect_row(const std::uint16_t* row, const std::uint16_t* above, int width
     for (int i = 0; i < 64; i += lanes) {
       const auto here = hn::LoadU(d, row + x + i);
       // kNoDisparity differs from every disparity by more than any range.
-      valid |= bits(hn::Ne(here, none)) << i;
+      valid |= bits(hn::Ne(here, invalid)) << i;
       left |= bits(hn::Lt(difference(here, hn::LoadU(d, row + x + i - 1)), end)) << i;
       up |= bits(hn::Lt(difference(here, hn::LoadU(d, above + x + i)), end)) << i;
     }

@@ -60,7 +60,7 @@ void subpixel(const SelectionRow& s, const std::uint8_t* kept, const Parameters&
   const auto zero = hn::Zero(d);
   const auto first = hn::Set(d, 1), end = hn::Set(d, range - 2);
   const auto max = hn::Set(d, (range - 1) * kDisparityScale);
-  const auto none = hn::Set(d, static_cast<std::int32_t>(kNoDisparity));
+  const auto invalid = hn::Set(d, static_cast<std::int32_t>(kNoDisparity));
   for (int x = 0; x < width; x += lanes) {
     const auto winner = load(s.winner + x);
     auto value = hn::Mul(winner, hn::Set(d, kDisparityScale));
@@ -69,7 +69,7 @@ void subpixel(const SelectionRow& s, const std::uint8_t* kept, const Parameters&
       value = hn::Add(value, hn::IfThenElseZero(is_inner, vertex(s, x)));
     }
     value = hn::Min(hn::Max(value, zero), max);
-    value = hn::IfThenElse(hn::Eq(load(kept + x), zero), none, value);
+    value = hn::IfThenElse(hn::Eq(load(kept + x), zero), invalid, value);
     hn::StoreU(hn::DemoteTo(From16(), value), From16(), disparity + x);
   }
 }
