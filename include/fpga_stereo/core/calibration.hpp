@@ -30,6 +30,16 @@ struct CameraCalibration {
   bool operator==(const CameraCalibration& other) const;
 };
 
+/// Both cameras of a pair.
+struct StereoCalibration {
+  CameraCalibration left, right;
+
+  bool operator==(const StereoCalibration& other) const {
+    return left == other.left && right == other.right;
+  }
+  bool operator!=(const StereoCalibration& other) const { return !(*this == other); }
+};
+
 /// The numbers that convert disparities to metres, after region of interest and binning.
 struct StereoGeometry {
   cv::Size image_size;
