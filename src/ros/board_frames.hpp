@@ -1,35 +1,44 @@
-// What a board sends as what the node publishes. A board's numbers are checked before they are
-// used.
+// Makes frames from what a board sends. Checks the board's numbers before it uses them.
 #pragma once
 
 #include <ros/time.h>
-#include <std_msgs/Header.h>
+
+#include <string>
 
 #include "fpga_stereo/core/result.hpp"
+#include "fpga_stereo/link/board_plan.hpp"
 #include "fpga_stereo/link/frame_set.hpp"
-#include "ros/board_plan.hpp"
-#include "ros/frame.hpp"
-#include "ros/topic_input.hpp"
+#include "ros/demand.hpp"
+#include "ros/source_pair.hpp"
+#include "ros/stereo_frame.hpp"
 
 namespace fpga_stereo {
 
-/// `seconds` of the host's time; refuses what no ros::Time can hold.
+/// Converts a stamp in s of the host's time. Refuses one that ros::Time cannot hold.
 Result<ros::Time> to_stamp(double seconds);
 
-/// Whether all images of a set have the size that the board was told.
+/// Refuses a set with an image that is not of this size.
 Status check_sizes(const link::FrameSet& set, cv::Size size);
 
-/// The frame of a pair that was sent to the board. Refuses sets without disparity, and pairs of
-/// another calibration than `made`.
-Result<StereoFrame> frame_of_pair(const link::ReceivedFrames& received, const BoardPlan::Made& made,
-                                  const InputPair& pair, const Demand& demand);
+/// Refuses a set without a raw left and right image.
+Status check_raw_images(const link::FrameSet& set);
 
-/// The frame of the board's own cameras: nothing but raw images where `made` has no rectification.
-StereoFrame frame_of_cameras(const link::ReceivedFrames& received, const BoardPlan::Made& made,
-                             const Demand& demand, const std_msgs::Header& header);
+/// Returns the raw images of the board's cameras, those that came, with the calibration that was
+/// planned. The pair shares the pixels of the set.
+SourcePair camera_pair(const link::FrameSet& set, const link::PlannedConfiguration& planned,
+                       const ros::Time& stamp, const std::string& frame_id, std::uint64_t number);
 
-/// The raw images of the board's own cameras, for the software. Refuses sets that lack one.
-Result<InputPair> raw_pair(const link::FrameSet& set, const BoardPlan::Made& made,
-                           const std_msgs::Header& header);
+/// Returns the frame that the board made of a pair that the host sent. Refuses a set without
+/// disparity and a pair with another calibration than the planned one.
+Result<StereoFrame> frame_of_host_pair(const link::ReceivedFrames& received,
+                                       const link::PlannedConfiguration& planned,
+                                       const SourcePair& pair, const Settings& settings,
+                                       const Demand& demand);
+
+/// Returns the frame that the board made of a pair of its own cameras: raw images only, if the
+/// planned configuration has no rectification.
+StereoFrame frame_of_camera_pair(const link::ReceivedFrames& received,
+                                 const link::PlannedConfiguration& planned, const SourcePair& pair,
+                                 const Settings& settings, const Demand& demand);
 
 }  // namespace fpga_stereo

@@ -1,27 +1,39 @@
-// How a board does, for people: in ~status, in diagnostics, for ~device_info.
+// Describes a board for ~status, for diagnostics and for the service ~device_info.
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <fpga_stereo/StereoStatus.h>
 
+#include <optional>
 #include <string>
 
+#include "fpga_stereo/link/board_plan.hpp"
 #include "fpga_stereo/link/device.hpp"
+#include "ros/node_state.hpp"
 #include "ros/verifier.hpp"
 
 namespace fpga_stereo {
 
-/// The fields of the status that are about the board.
-void fill(const link::Device::Snapshot& board, const Verifier::Counters& verified,
-          StereoStatus& status);
+/// Everything a report says about the board, read at one time.
+struct BoardReport {
+  link::Device::Snapshot device;
+  link::BoardAbility ability = link::BoardAbility::kNoBoard;
+  std::string limitation;   // for people: why it does not make the disparity
+  bool is_expected = true;  // a missing board deserves a warning
+  Verifier::Counters verified;
+};
 
-/// `unable`: why the board does not make the disparity, though it is there. `expected`: that there
-/// is none is something to warn of.
-void report_board(const link::Device::Snapshot& board, const Verifier::Counters& verified,
-                  const std::string& unable, bool expected,
-                  diagnostic_updater::DiagnosticStatusWrapper& report);
+/// Says why the board sends no frames; nullopt if it does, or would if there were demand.
+std::optional<StateReport> link_trouble(const link::Device::Snapshot& device);
 
-/// Lines of "name: value".
-std::string device_info(const link::Device::Snapshot& board);
+/// Fills the fields of the status that describe the board.
+void fill_status(const BoardReport& board, StereoStatus& status);
+
+/// Fills the diagnostics of the board.
+void fill_diagnostics(const BoardReport& board,
+                      diagnostic_updater::DiagnosticStatusWrapper& diagnostics);
+
+/// Returns lines of "name: value" with state, connection, gateware and streams.
+std::string device_info(const link::Device::Snapshot& device);
 
 }  // namespace fpga_stereo

@@ -6,14 +6,14 @@
 namespace fpga_stereo {
 namespace {
 
-/// The device with ~serial_number, where that is set.
+/// Selects the device by ~serial_number if that is set.
 void read_serial_number(const ros::NodeHandle& nh, std::vector<std::string>& refusals,
                         std::string& device) {
   XmlRpc::XmlRpcValue value;
   if (!nh.getParam("serial_number", value)) return;
   const std::string text = text_of(value);
   if (value.getType() == XmlRpc::XmlRpcValue::TypeInt) {
-    // 0012 has become 12 on its way here: zeros in front do not count.
+    // The parameter server turns 0012 into 12: leading zeros do not count.
     device = "usb:match=^0*" + text + "$";
     return;
   }
@@ -29,8 +29,8 @@ void read_device(const ros::NodeHandle& nh, ParameterReader& read,
   read.text("device", name);
   if (name.rfind("replay:", 0) == 0) {
     refusals.push_back(refusal("device", name,
-                               "usb... or serial:... (a recording answers no requests: see it "
-                               "with 'board capture')",
+                               "usb... or serial:... (a recording cannot answer requests; "
+                               "'board capture' shows it)",
                                device));
   } else {
     device = name;

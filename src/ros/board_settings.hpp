@@ -1,4 +1,4 @@
-// What the node's parameters say about a board; read once at the start.
+// The settings of the board, read once at the start of the node.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -10,27 +10,27 @@
 namespace fpga_stereo {
 
 enum class Backend {
-  kAuto,      // the board where there is one, else the software pipeline
-  kBoard,     // the board and nothing else
-  kSoftware,  // no board is looked for
+  kAuto,      // the board if one is connected and able, otherwise the software pipeline
+  kBoard,     // only the board
+  kSoftware,  // only the software pipeline; the node looks for no board
 };
 
 struct BoardSettings {
   Backend backend = Backend::kAuto;
-  std::string device = "usb";     // as link::open_transport() takes it
-  bool topic_input = false;       // the board's images come from topics, not from its cameras
-  cv::Size image_size{640, 480};  // px, of cameras that are not calibrated
+  std::string device = "usb";     // as for link::open_transport()
+  bool topic_input = false;       // the board computes pairs from topics, not from its cameras
+  cv::Size image_size{640, 480};  // px, of the board's cameras until they are calibrated
   std::string frame_id = "stereo_left_optical_frame";
-  std::string left_url, right_url;  // of the calibration; empty: camera_info_manager's default
-  double mid_exposure_ms = 0;       // from the middle of the exposure to the first pixel
-  int frame_interval = 1;           // one pair in so many is sent
-  int verify = 0;                   // one frame in so many is computed in software, too; 0: none
-  bool keep_incomplete = false;     // publish frames that lack rows, these without disparity
+  std::string left_url, right_url;  // calibration files; empty: camera_info_manager's default
+  double mid_exposure_ms = 0;       // from mid-exposure to the first pixel
+  int frame_interval = 1;           // the board sends every n-th pair of its cameras
+  int verify = 0;                   // the software verifies every n-th frame; 0: none
+  bool keep_incomplete = false;     // publish frames with lost rows; their pixels are invalid
 };
 
 /// Reads ~backend, ~device, ~serial_number, ~board_input, ~image_width, ~image_height, ~frame_id,
 /// ~left_info_url, ~right_info_url, ~mid_exposure, ~frame_interval, ~verify, ~keep_incomplete.
-/// What is refused keeps its default and is named in `refusals`.
+/// A refused value keeps its default; a message about it is appended to `refusals`.
 BoardSettings load_board_settings(const ros::NodeHandle& private_nh,
                                   std::vector<std::string>& refusals);
 

@@ -2,7 +2,9 @@
 
 #include <ros/console.h>
 
-#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "fpga_stereo/link/transport.hpp"
@@ -11,20 +13,48 @@
 namespace fpga_stereo {
 namespace {
 
-using link::Stream;
+using link::BoardAbility;
+using link::LinkState;
 
-constexpr std::size_t kMostSent = 4;               // pairs under way in the board
-constexpr std::chrono::seconds kLeastPatience{2};  // with pairs that do not come back
+link::BoardPlan::Options plan_options(const BoardSettings& settings) {
+  link::BoardPlan::Options options;
+  options.host_input = settings.topic_input;
+  options.image_size = settings.image_size;
+  options.frame_interval = settings.frame_interval;
+  options.verify_interval = settings.verify;
+  options.mid_exposure = std::chrono::microseconds(std::lround(settings.mid_exposure_ms * 1000));
+  return options;
+}
+
+/// Cameras: frame_ids rise by frame_interval from one sent frame to the next.
+std::uint64_t verify_interval(const BoardSettings& settings) {
+  const int step = settings.topic_input ? 1 : settings.frame_interval;
+  return static_cast<std::uint64_t>(settings.verify) * static_cast<std::uint64_t>(step);
+}
+
+link::BoardDemand board_demand(const Demand& outputs, const CameraTopics::Demand& cameras) {
+  link::BoardDemand demand;
+  demand.disparity = outputs.disparity;
+  demand.rectified_left = outputs.left.any_rectified();
+  demand.rectified_right = outputs.right.any_rectified();
+  demand.raw_left = outputs.left.any_raw() || cameras.left;
+  demand.raw_right = outputs.right.any_raw() || cameras.right;
+  demand.raw_pair = outputs.any();
+  demand.stamps = cameras.info;
+  return demand;
+}
 
 }  // namespace
 
 BoardSource::BoardSource(const BoardSettings& settings, CameraTopics& cameras, Health& health,
-                         Callbacks callbacks)
+                         StampGate& gate, Callbacks callbacks)
     : settings_(settings),
       cameras_(cameras),
       health_(health),
+      gate_(gate),
       callbacks_(std::move(callbacks)),
-      plan_(settings_),
+      verifier_(verify_interval(settings)),
+      plan_(plan_options(settings)),
       device_(device_options(), device_callbacks()) {}
 
 link::Device::Options BoardSource::device_options() {
@@ -41,260 +71,179 @@ link::Device::Options BoardSource::device_options() {
 
 link::Device::Callbacks BoardSource::device_callbacks() {
   link::Device::Callbacks callbacks;
-  callbacks.received = [this](const std::vector<link::ReceivedFrames>& sets) {
-    for (const link::ReceivedFrames& r : sets) received(r);
+  callbacks.received = [this](const std::vector<Received>& sets) {
+    for (const Received& received : sets) on_received(received);
   };
-  callbacks.identified = [this](const link::Identity& identity) { identified(identity); };
-  callbacks.closed = [this] { closed(); };
+  callbacks.identified = [this](const link::Identity& identity) { on_identified(identity); };
+  callbacks.closed = [this] { on_closed(); };
   callbacks.note = [](const std::string& note) {
     ROS_INFO_STREAM_NAMED("stereo", "board: " << note);
   };
   return callbacks;
 }
 
-// What is wanted.
-
-void BoardSource::tell() {
-  if (!plan_.present()) return;
-  // The board's numbers go on while nothing is sent.
-  if (plan_.wanted().streams.empty()) last_frame_.reset();
-  device_.set_desired_state(plan_.wanted());
+void BoardSource::apply_plan() {
+  if (!plan_.has_board()) return;
+  const auto told = std::tie(logged_ability_, logged_limitation_);
+  if (told != std::make_tuple(plan_.ability(), plan_.limitation())) {
+    const bool is_limited =
+        !plan_.makes_disparity() && plan_.ability() != BoardAbility::kNeedsCalibration;
+    if (is_limited) {
+      ROS_WARN_STREAM_NAMED("stereo",
+                            "the board cannot make this disparity: " << plan_.limitation());
+    }
+    logged_ability_ = plan_.ability();
+    logged_limitation_ = plan_.limitation();
+  }
+  // The board numbers its frames on while it sends none.
+  if (plan_.desired_state().streams.empty()) last_frame_.reset();
+  device_.set_desired_state(plan_.desired_state());
 }
 
-void BoardSource::identified(const link::Identity& identity) {
+void BoardSource::on_identified(const link::Identity& identity) {
   ROS_INFO_STREAM_NAMED("stereo", "board identified: " << identity.text());
-  if (!settings_.topic_input) cameras_.show(true);
-  SentPairs sent;
+  std::vector<SourcePair> unanswered;
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const MutexLock presence(presence_mutex_);
+    if (!settings_.topic_input) cameras_.set_advertised(true);
+    const StereoCalibration calibration = cameras_.calibration();
+    const MutexLock lock(mutex_);
     last_frame_.reset();
-    sent = std::exchange(sent_, {});
-    if (!settings_.topic_input) plan_.set_calibration(cameras_.infos());
+    unanswered = in_flight_.take_all();
+    if (!settings_.topic_input) plan_.set_calibration(calibration);
     plan_.set_identity(identity);
-    tell();
+    apply_plan();
   }
-  hand_on(sent);
+  hand_over(unanswered);
   callbacks_.changed();
 }
 
-void BoardSource::closed() {
-  SentPairs sent;
+void BoardSource::on_closed() {
+  std::optional<std::vector<SourcePair>> unanswered;
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!plan_.present()) return;
-    plan_.set_identity(std::nullopt);
-    sent = std::exchange(sent_, {});
+    const MutexLock presence(presence_mutex_);
+    unanswered = leave();
   }
-  hand_on(sent);
-  cameras_.show(false);
+  if (!unanswered) return;
+  hand_over(*unanswered);
   callbacks_.changed();
 }
 
-void BoardSource::hand_on(const SentPairs& sent) {
-  if (settings_.backend == Backend::kBoard) return health_.dropped(DropCause::kLink, sent.size());
-  for (const auto& [id, of_topics] : sent) callbacks_.pair(of_topics.pair);
+std::optional<std::vector<SourcePair>> BoardSource::leave() {
+  std::vector<SourcePair> unanswered;
+  {
+    const MutexLock lock(mutex_);
+    if (!plan_.has_board()) return std::nullopt;
+    plan_.set_identity(std::nullopt);
+    unanswered = in_flight_.take_all();
+  }
+  cameras_.set_advertised(false);
+  return unanswered;
+}
+
+void BoardSource::hand_over(const std::vector<SourcePair>& pairs) {
+  if (settings_.backend == Backend::kBoard) {
+    return health_.dropped(DropCause::kLink, pairs.size());
+  }
+  for (const SourcePair& pair : pairs) callbacks_.pair(pair);
 }
 
 void BoardSource::refresh() {
-  if (device_.snapshot().state == link::LinkState::kRefused) return closed();
-  if (settings_.topic_input || !present()) return;
-  const CameraTopics::Infos infos = cameras_.infos();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const Result<bool> changed = plan_.offer_calibration(infos);
-  if (!changed) {
-    ROS_INFO_STREAM_THROTTLE_NAMED(10, "stereo",
-                                   "new calibration waits: " << changed.error().message);
-  } else if (*changed) {
-    tell();
+  std::optional<std::vector<SourcePair>> unanswered;
+  {
+    // The state is read with the lock: on_identified() cannot run in between.
+    const MutexLock presence(presence_mutex_);
+    if (device_.snapshot().state == LinkState::kRefused) unanswered = leave();
+  }
+  if (unanswered) {
+    hand_over(*unanswered);
+    callbacks_.changed();
+  }
+  if (settings_.topic_input) return;
+  const StereoCalibration calibration = cameras_.calibration();
+  const MutexLock lock(mutex_);
+  if (!plan_.has_board()) return;
+  const Result<bool> is_new = plan_.offer_calibration(calibration);
+  if (!is_new) {
+    ROS_INFO_STREAM_THROTTLE_NAMED(
+        10, "stereo",
+        "the new calibration is not used until both cameras agree: " << is_new.error().message);
+  } else if (*is_new) {
+    apply_plan();
   }
 }
 
 void BoardSource::set_settings(const Settings& settings) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  plan_.set_settings(settings);
-  tell();
+  const MutexLock lock(mutex_);
+  node_settings_ = settings;
+  plan_.set_parameters(settings.pipeline);
+  apply_plan();
 }
 
 void BoardSource::set_demand(const Demand& demand) {
   const CameraTopics::Demand cameras = cameras_.demand();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  plan_.set_demand(demand, cameras);
-  tell();
+  const MutexLock lock(mutex_);
+  demand_ = demand;
+  plan_.set_demand(board_demand(demand, cameras));
+  apply_plan();
 }
 
-// Pairs from topics.
-
-bool BoardSource::takes_pairs() const {
-  if (!settings_.topic_input) return false;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return plan_.present();
-}
-
-void BoardSource::give_up_lost() {
-  // A pair that comes back tells that those before it will not: this is for when all are lost.
-  const auto now = Clock::now();
-  const auto patience = kLeastPatience + static_cast<int>(kMostSent) * turnaround_;
-  if (sent_.empty() || now - std::max(last_back_, sent_.begin()->second.when) < patience) return;
-  health_.dropped(DropCause::kLink, sent_.size());
-  sent_.clear();
-}
-
-bool BoardSource::send(const InputPair& pair) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!plan_.present()) return false;
-  give_up_lost();
-  const CameraTopics::Infos infos{*pair.left_info, *pair.right_info};
-  if (!same_calibration(infos, plan_.calibration())) {
-    plan_.set_calibration(infos);
-    tell();
+bool BoardSource::send(const SourcePair& pair) {
+  const MutexLock lock(mutex_);
+  if (!settings_.topic_input || !plan_.has_board()) return false;
+  const RawPair& raw = pair.raw;
+  health_.dropped(DropCause::kLink, in_flight_.give_up_late(Clock::now()));
+  if (raw.calibration != plan_.calibration()) {
+    plan_.set_calibration(raw.calibration);
+    apply_plan();
   }
-  const std::uint64_t tag = plan_.wanted().tag;
-  const auto made = plan_.made(tag);
-  const link::Device::Snapshot now = device_.snapshot();
-  const bool able = plan_.unable().empty() && made && made->rectification &&
-                    now.state == link::LinkState::kStreaming && now.active_tag == tag;
-  if (!able && sent_.empty()) return false;
-  if (able) {
-    const auto begun = begin_frame(pair, *made->rectification, made->settings);
-    if (!begun) return false;  // the software says why
-    const std::uint64_t stamp_us = pair.left->header.stamp.toNSec() / 1000;
-    if (sent_.size() < kMostSent &&
-        device_.send_pair(begun->left.mono, begun->right.mono, next_pair_, stamp_us)) {
-      sent_[next_pair_++] = {pair, Clock::now()};
+  const std::uint64_t tag = plan_.desired_state().tag;
+  const auto planned = plan_.configuration(tag);
+  const link::Device::Snapshot device = device_.snapshot();
+  const bool is_ready = plan_.makes_disparity() && planned && planned->rectification &&
+                        device.state == LinkState::kStreaming && device.active_tag == tag;
+  if (is_ready) {
+    // The software refuses a pair of a wrong size by name.
+    if (!check_pair_size(raw, *planned->rectification)) return false;
+    const auto stamp_us = static_cast<std::uint64_t>(raw.stamp_ns / 1000);
+    if (!in_flight_.is_full() &&
+        device_.send_pair(raw.left, raw.right, in_flight_.next_id(), stamp_us)) {
+      in_flight_.add(pair, Clock::now());
       return true;
     }
+  } else if (in_flight_.is_empty()) {
+    return false;
   }
-  // The software would overtake those that are under way: frames would come out of order.
+  // Dropped, because the software would overtake the pairs in flight.
   health_.dropped(DropCause::kReplaced);
   return true;
 }
 
-// What comes.
-
-bool BoardSource::present() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return plan_.present();
+bool BoardSource::is_present() const {
+  const MutexLock lock(mutex_);
+  return plan_.has_board();
 }
 
-std::string BoardSource::unable() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return plan_.unable();
+bool BoardSource::makes_disparity() const {
+  const MutexLock lock(mutex_);
+  return plan_.makes_disparity();
 }
 
-std::string BoardSource::complaint() const {
-  const link::Device::Snapshot now = device_.snapshot();
-  return now.trouble == link::LinkTrouble::kNone ? "" : "board: " + now.trouble_text;
+bool BoardSource::is_asked_for() const {
+  return settings_.backend == Backend::kBoard || settings_.device != BoardSettings().device;
 }
 
-bool BoardSource::expected() const {
-  const bool asked_for = settings_.backend == Backend::kBoard || settings_.device != "usb";
-  return asked_for || !none_found_ || device_.snapshot().times_opened > 0;
-}
+std::optional<StateReport> BoardSource::trouble() const { return link_trouble(device_.snapshot()); }
 
-void BoardSource::refuse(DropCause cause, const std::string& why) {
-  if (health_.refusal() != why) ROS_WARN_STREAM_NAMED("stereo", why);
-  health_.refused(cause, why);
-}
-
-void BoardSource::count_lost(const link::FrameSet& set) {
-  // Gaps in the frames' numbers: lost on the way, or dropped by a board whose link was too slow.
-  if (last_frame_) {
-    const auto step = static_cast<std::uint64_t>(settings_.frame_interval);
-    const std::uint64_t gap = (set.frame_id - *last_frame_) / step;
-    for (std::uint64_t i = 1; i < gap && gap < 1000; ++i) {
-      health_.received();
-      health_.dropped(DropCause::kLink);
-    }
-  }
-  last_frame_ = set.frame_id;
-}
-
-std::optional<InputPair> BoardSource::take_sent(std::uint64_t frame_id) {
-  const auto found = sent_.find(frame_id);
-  if (found == sent_.end()) return std::nullopt;
-  const Sent sent = found->second;
-  last_back_ = Clock::now();
-  turnaround_ = last_back_ - sent.when;
-  // Those before it will not come any more.
-  health_.dropped(DropCause::kLink,
-                  static_cast<std::uint64_t>(std::distance(sent_.begin(), found)));
-  sent_.erase(sent_.begin(), std::next(found));
-  return sent.pair;
-}
-
-void BoardSource::received(const link::ReceivedFrames& r) {
-  std::shared_ptr<const BoardPlan::Made> made;
-  std::optional<InputPair> pair;
-  Demand demand;
-  bool lacks = false;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    made = plan_.made(r.tag);
-    demand = plan_.demand();
-    if (settings_.topic_input) {
-      pair = take_sent(r.set.frame_id);
-      if (!pair) return;
-    } else {
-      if (plan_.wanted().streams.empty()) return;  // sent before the last listener went
-      lacks = plan_.lacks(r.set);
-      count_lost(r.set);
-    }
-  }
-  if (!pair) health_.received();
-  if (!made) {
-    return refuse(DropCause::kLink, "frame of the board dropped: its configuration is long gone");
-  }
-  if (lacks) return refuse(DropCause::kLink, r.set.dropped.front());
-  if (const Status fits = check_sizes(r.set, made->image_size); !fits) {
-    return refuse(DropCause::kLink, fits.error().message);
-  }
-  if (pair) return take_pair(r, *made, *pair, demand);
-  take_camera_frame(r, *made, demand);
-}
-
-void BoardSource::verify(const link::FrameSet& set, const BoardPlan::Made& made,
-                         const cv::Mat& left, const cv::Mat& right) {
-  if (settings_.verify == 0 || !set.verdicts.empty() || left.empty() || right.empty()) return;
-  if (!made.rectification || set.image(Stream::kDisparity).empty()) return;
-  // By number: of a board's own cameras, raw images may come of some frames only.
-  const int step = settings_.topic_input ? 1 : settings_.frame_interval;
-  const auto every = static_cast<std::uint64_t>(settings_.verify) * static_cast<unsigned>(step);
-  if (last_verified_ && set.frame_id - *last_verified_ < every) return;
-  last_verified_ = set.frame_id;
-  // Those of topics may lie in messages, which do not last.
-  const bool owned = !settings_.topic_input;
-  verifier_.offer({owned ? left : left.clone(), owned ? right : right.clone(),
-                   set.image(Stream::kDisparity), made.rectification, made.settings.pipeline});
-}
-
-void BoardSource::take_pair(const link::ReceivedFrames& r, const BoardPlan::Made& made,
-                            const InputPair& pair, const Demand& demand) {
-  const auto frame = frame_of_pair(r, made, pair, demand);
-  if (!frame) return refuse(DropCause::kLink, frame.error().message);
-  verify(r.set, made, frame->left.mono, frame->right.mono);
-  callbacks_.frame(*frame);
-}
-
-void BoardSource::take_camera_frame(const link::ReceivedFrames& r, const BoardPlan::Made& made,
-                                    const Demand& demand) {
-  const auto stamp = to_stamp(r.stamp);
-  if (!stamp) return refuse(DropCause::kStamp, stamp.error().message);
-  if (const auto why = gate_.check(*stamp)) {
-    return refuse(DropCause::kStamp, "frame of the board dropped: " + *why);
-  }
-  const cv::Mat& left = r.set.image(Stream::kRawLeft);
-  const cv::Mat& right = r.set.image(Stream::kRawRight);
-  cameras_.publish(left, right, made.infos, *stamp);
-  std_msgs::Header header;
-  header.stamp = *stamp;
-  header.frame_id = settings_.frame_id;
-  if (demand.any() && !made.rectification) {
-    const auto pair = raw_pair(r.set, made, header);
-    if (!pair) return refuse(DropCause::kLink, pair.error().message);
-    return callbacks_.pair(*pair);
-  }
-  verify(r.set, made, left, right);
-  callbacks_.frame(frame_of_cameras(r, made, demand, header));
+BoardReport BoardSource::report() const {
+  BoardReport report;
+  report.device = device_.snapshot();
+  report.is_expected = is_asked_for() || !none_found_ || report.device.times_opened > 0;
+  report.verified = verifier_.counters();
+  const MutexLock lock(mutex_);
+  report.ability = plan_.ability();
+  report.limitation = plan_.limitation();
+  return report;
 }
 
 }  // namespace fpga_stereo

@@ -1,124 +1,124 @@
-// Frames made by a board: of its own cameras' images, or of pairs that it is sent. What the board
-// cannot do is left to the software pipeline, and the reason is told.
+// Frames made by a board, from its own cameras or from pairs that the host sends it. What the board
+// cannot make goes to the software as raw pairs.
 #pragma once
 
-#include <ros/time.h>
-
 #include <atomic>
-#include <chrono>
 #include <functional>
-#include <map>
-#include <memory>
-#include <mutex>
-#include <string>
+#include <optional>
+#include <vector>
 
+#include "core/thread_safety.hpp"
+#include "fpga_stereo/link/board_plan.hpp"
 #include "fpga_stereo/link/device.hpp"
 #include "ros/board_frames.hpp"
-#include "ros/board_plan.hpp"
+#include "ros/board_report.hpp"
 #include "ros/board_settings.hpp"
 #include "ros/camera_topics.hpp"
-#include "ros/frame.hpp"
 #include "ros/health.hpp"
+#include "ros/pairs_in_flight.hpp"
 #include "ros/stamp_gate.hpp"
-#include "ros/topic_input.hpp"
 #include "ros/verifier.hpp"
 
 namespace fpga_stereo {
 
+/// Thread-safe. Locks, in this order: presence_mutex_, mutex_, then those of the device. No
+/// callback is called with a lock held.
 class BoardSource {
  public:
-  static constexpr const char* kName = "board";
-
-  /// Called from the device's thread.
+  /// Called from the device's callback thread; `pair` and `changed` also from refresh().
   struct Callbacks {
     std::function<void(const StereoFrame&)> frame;
-    /// A raw pair whose disparity the board cannot make, or will not any more.
-    std::function<void(const InputPair&)> pair;
-    /// How far the board can be used has changed.
+    /// A raw pair that the software has to compute, because the board cannot or has gone.
+    std::function<void(const SourcePair&)> pair;
+    /// The board came, went, or changed what it can do.
     std::function<void()> changed;
   };
 
-  BoardSource(const BoardSettings& settings, CameraTopics& cameras, Health& health,
+  /// `cameras`, `health` and `gate` must outlive the source.
+  BoardSource(const BoardSettings& settings, CameraTopics& cameras, Health& health, StampGate& gate,
               Callbacks callbacks);
 
-  /// A board answers, and it is one that this software works with.
-  bool present() const;
-  /// Why the board does not make the disparity, though it is present; empty where it does.
-  std::string unable() const;
-  /// The board takes pairs from topics, now.
-  bool takes_pairs() const;
-  /// Sends a pair, or drops it where the board is still busy with those before. False: the pair is
-  /// the software's.
-  bool send(const InputPair& pair);
+  /// True while a board is connected that this software works with.
+  bool is_present() const FPGA_STEREO_EXCLUDES(mutex_);
+  bool makes_disparity() const FPGA_STEREO_EXCLUDES(mutex_);
+  /// Sends a pair from the topics, or drops it while the board is busy with older ones. Returns
+  /// false if the pair is left to the software.
+  bool send(const SourcePair& pair) FPGA_STEREO_EXCLUDES(mutex_);
 
-  void set_demand(const Demand& demand);
-  void set_settings(const Settings& settings);
-  /// To be called now and then: sees a new calibration, and a board that has gone.
-  void refresh();
+  void set_demand(const Demand& demand) FPGA_STEREO_EXCLUDES(mutex_);
+  void set_settings(const Settings& settings) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Adopts a new calibration and lets go of a board that was refused. Call about once a second.
+  void refresh() FPGA_STEREO_EXCLUDES(presence_mutex_, mutex_);
+  /// Resets the link as the last step of the watchdog does.
   void reset() { device_.reset(); }
 
-  /// Why there are no frames of the board; empty where there are.
-  std::string complaint() const;
-  link::Device::Snapshot snapshot() const { return device_.snapshot(); }
-  /// There should be a board: one was asked for, or was there before, or cannot be opened.
-  bool expected() const;
-  Verifier::Counters verified() const { return verifier_.counters(); }
+  /// Says why the board makes no frames; nullopt if it does or would.
+  std::optional<StateReport> trouble() const FPGA_STEREO_EXCLUDES(mutex_);
+  BoardReport report() const FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// A pair that is under way in the board.
-  struct Sent {
-    InputPair pair;
-    Clock::time_point when;
-  };
-  using SentPairs = std::map<std::uint64_t, Sent>;  // by frame_id
+  using Planned = link::PlannedConfiguration;
+  using Received = link::ReceivedFrames;
 
   link::Device::Options device_options();
   link::Device::Callbacks device_callbacks();
-  void identified(const link::Identity& identity);
-  void closed();
-  /// Pairs that the board will not answer any more.
-  void hand_on(const SentPairs& sent);
-  void received(const link::ReceivedFrames& received);
-  void take_pair(const link::ReceivedFrames& received, const BoardPlan::Made& made,
-                 const InputPair& pair, const Demand& demand);
-  void take_camera_frame(const link::ReceivedFrames& received, const BoardPlan::Made& made,
-                         const Demand& demand);
-  /// Where due, has the frame computed in software, too.
-  void verify(const link::FrameSet& set, const BoardPlan::Made& made, const cv::Mat& left,
-              const cv::Mat& right);
-  void refuse(DropCause cause, const std::string& why);
 
-  // With mutex_.
-  /// Tells the device what is wanted.
-  void tell();
-  void count_lost(const link::FrameSet& set);
-  /// The pair that a frame was made of; none: it was given up.
-  std::optional<InputPair> take_sent(std::uint64_t frame_id);
-  /// Pairs of which nothing came for too long are lost.
-  void give_up_lost();
+  // Presence: board_source.cpp.
+  void on_identified(const link::Identity& identity) FPGA_STEREO_EXCLUDES(presence_mutex_, mutex_);
+  void on_closed() FPGA_STEREO_EXCLUDES(presence_mutex_, mutex_);
+  /// Ends the presence of the board. Returns the pairs that it will not answer, or nullopt if no
+  /// board was present.
+  std::optional<std::vector<SourcePair>> leave() FPGA_STEREO_REQUIRES(presence_mutex_)
+      FPGA_STEREO_EXCLUDES(mutex_);
+  /// Gives pairs in flight to the software, or drops them if only the board may compute.
+  void hand_over(const std::vector<SourcePair>& pairs);
+  bool is_asked_for() const;
+  /// Passes the plan to the device; logs a change of what the board can do.
+  void apply_plan() FPGA_STEREO_REQUIRES(mutex_);
+
+  // What arrives: board_source_receive.cpp.
+  /// What belongs to a received frame set.
+  struct Context {
+    std::shared_ptr<const Planned> planned;
+    Settings settings;
+    Demand demand;
+    bool is_unwanted = false;    // sent before the last subscriber left
+    bool is_incomplete = false;  // an image in demand was dropped
+  };
+  void on_received(const Received& received) FPGA_STEREO_EXCLUDES(mutex_);
+  Context context_of(const Received& received) const FPGA_STEREO_REQUIRES(mutex_);
+  void receive_host_pair(const Received& received) FPGA_STEREO_EXCLUDES(mutex_);
+  void receive_camera_pair(const Received& received) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Refuses sets that cannot be used with this context.
+  Status check(const Received& received, const Context& context) const;
+  /// Counts the frames that are missing before this one as lost.
+  void count_lost(const link::FrameSet& set) FPGA_STEREO_REQUIRES(mutex_);
+  void verify(const link::FrameSet& set, const Planned& planned, const SourcePair& pair);
 
   const BoardSettings settings_;
   CameraTopics& cameras_;
   Health& health_;
-  Callbacks callbacks_;
+  StampGate& gate_;
+  const Callbacks callbacks_;
   Verifier verifier_;
+  std::atomic<bool> none_found_{false};  // the last attempt to open found no device
 
-  mutable std::mutex mutex_;
-  BoardPlan plan_;
-  SentPairs sent_;
-  std::uint64_t next_pair_ = 1;
-  Clock::time_point last_back_{};                         // when a pair came back
-  Clock::duration turnaround_{std::chrono::seconds(10)};  // of that pair; at first, of a slow line
-  std::optional<std::uint64_t> last_frame_;  // frame_id; none: nothing was wanted since
+  /// Held while a board comes or goes, so that both cannot interleave.
+  Mutex presence_mutex_ FPGA_STEREO_ACQUIRED_BEFORE(mutex_);
 
-  // Of the device's thread.
-  StampGate gate_;                              // of the cameras' frames
-  std::optional<std::uint64_t> last_verified_;  // frame_id
+  mutable Mutex mutex_;
+  link::BoardPlan plan_ FPGA_STEREO_GUARDED_BY(mutex_);
+  link::BoardAbility logged_ability_ FPGA_STEREO_GUARDED_BY(mutex_) =
+      link::BoardAbility::kMakesDisparity;
+  std::string logged_limitation_ FPGA_STEREO_GUARDED_BY(mutex_);
+  Settings node_settings_ FPGA_STEREO_GUARDED_BY(mutex_);
+  Demand demand_ FPGA_STEREO_GUARDED_BY(mutex_);
+  PairsInFlight in_flight_ FPGA_STEREO_GUARDED_BY(mutex_);
+  /// frame_id of the last set from the cameras; nullopt: none since streams were last switched on.
+  std::optional<std::uint64_t> last_frame_ FPGA_STEREO_GUARDED_BY(mutex_);
 
-  std::atomic<bool> none_found_{false};
-
-  link::Device device_;  // last: its thread uses all of the above
+  link::Device device_;  // last: its threads use all of the above
 };
 
 }  // namespace fpga_stereo

@@ -5,54 +5,58 @@
 #include "ros/conversions.hpp"
 
 namespace fpga_stereo {
+namespace {
 
 using camera_info_manager::CameraInfoManager;
 
-CameraTopics::CameraTopics(const ros::NodeHandle& nh, const BoardSettings& settings,
-                           std::function<void()> changed)
-    : settings_(settings), changed_(std::move(changed)), nh_(nh), transport_(nh) {
-  // Names by which camera_info_manager files a calibration: one for each pair of a robot.
-  std::string pair = nh.getNamespace();
-  pair.erase(0, pair.find_first_not_of('/'));
-  for (char& c : pair) c = c == '/' ? '_' : c;
-  const std::array<std::string, 2> sides{"left", "right"};
-  const std::array<std::string, 2> urls{settings.left_url, settings.right_url};
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    cameras_[i].nh = ros::NodeHandle(nh, sides[i]);
-    cameras_[i].name = pair + (pair.empty() ? "" : "_") + sides[i];
-    cameras_[i].url = urls[i];
-  }
+const std::array<std::string, 2> kSides{"left", "right"};
+
+/// Returns a prefix that is unique for the pair on its robot: its namespace.
+std::string prefix_of(const std::string& ns) {
+  std::string prefix = ns;
+  prefix.erase(0, prefix.find_first_not_of('/'));
+  for (char& c : prefix) c = c == '/' ? '_' : c;
+  return prefix.empty() ? prefix : prefix + "_";
 }
 
-void CameraTopics::show(bool shown) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (shown == shown_) return;
-    shown_ = shown;
-  }
-  const std::array<std::string, 2> sides{"left", "right"};
+}  // namespace
+
+CameraTopics::CameraTopics(const ros::NodeHandle& nh, const BoardSettings& settings,
+                           std::function<void()> changed)
+    : settings_(settings),
+      changed_(std::move(changed)),
+      nh_(nh),
+      transport_(nh),
+      calibration_prefix_(prefix_of(nh.getNamespace())) {}
+
+CameraTopics::Camera CameraTopics::advertise(std::size_t side) {
   const image_transport::SubscriberStatusCallback on_image = [this](const auto&) { changed_(); };
   const ros::SubscriberStatusCallback on_info = [this](const auto&) { changed_(); };
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    // Made and unmade outside of the lock: both may wait for callbacks that need it.
-    Camera camera;
-    if (shown) {
-      const ros::NodeHandle nh = cameras_[i].nh;
-      camera.manager = std::make_unique<CameraInfoManager>(nh, cameras_[i].name, cameras_[i].url);
-      camera.images = transport_.advertise(sides[i] + "/image_raw", 1, on_image, on_image);
-      camera.infos = ros::NodeHandle(nh_).advertise<sensor_msgs::CameraInfo>(
-          sides[i] + "/camera_info", 1, on_info, on_info);
-    }
-    const std::lock_guard<std::mutex> lock(mutex_);
-    std::swap(cameras_[i].manager, camera.manager);
-    std::swap(cameras_[i].images, camera.images);
-    std::swap(cameras_[i].infos, camera.infos);
+  const std::string& url = side == 0 ? settings_.left_url : settings_.right_url;
+  Camera camera;
+  camera.manager = std::make_unique<CameraInfoManager>(ros::NodeHandle(nh_, kSides[side]),
+                                                       calibration_prefix_ + kSides[side], url);
+  camera.images = transport_.advertise(kSides[side] + "/image_raw", 1, on_image, on_image);
+  camera.infos =
+      nh_.advertise<sensor_msgs::CameraInfo>(kSides[side] + "/camera_info", 1, on_info, on_info);
+  return camera;
+}
+
+void CameraTopics::set_advertised(bool is_advertised) {
+  {
+    const MutexLock lock(mutex_);
+    if (is_advertised == is_advertised_) return;
   }
+  // Without the lock: advertising and withdrawing may wait for callbacks that need it.
+  std::array<Camera, 2> cameras;
+  if (is_advertised) cameras = {advertise(0), advertise(1)};
+  const MutexLock lock(mutex_);
+  std::swap(cameras_, cameras);
+  is_advertised_ = is_advertised;
 }
 
 CameraTopics::Demand CameraTopics::demand() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!shown_) return {};
+  const MutexLock lock(mutex_);
   Demand demand;
   demand.left = cameras_[0].images.getNumSubscribers() > 0;
   demand.right = cameras_[1].images.getNumSubscribers() > 0;
@@ -61,36 +65,46 @@ CameraTopics::Demand CameraTopics::demand() const {
   return demand;
 }
 
-sensor_msgs::CameraInfo CameraTopics::info(Camera& camera) {
-  sensor_msgs::CameraInfo info;
-  if (camera.manager) info = camera.manager->getCameraInfo();
-  // image_geometry wants one frame for both.
-  info.header.frame_id = settings_.frame_id;
-  if (info.K[0] == 0) {
-    info.width = static_cast<std::uint32_t>(settings_.image_size.width);
-    info.height = static_cast<std::uint32_t>(settings_.image_size.height);
+StereoCalibration CameraTopics::calibration() const {
+  const auto calibration_of = [this](const Camera& camera) {
+    CameraCalibration calibration;
+    if (camera.manager) calibration = to_calibration(camera.manager->getCameraInfo());
+    if (calibration.K[0] == 0) {
+      calibration.width = settings_.image_size.width;
+      calibration.height = settings_.image_size.height;
+    }
+    return calibration;
+  };
+  const MutexLock lock(mutex_);
+  return {calibration_of(cameras_[0]), calibration_of(cameras_[1])};
+}
+
+void CameraTopics::publish(const RawPair& pair) {
+  struct Publishers {
+    image_transport::Publisher images;
+    ros::Publisher infos;
+  };
+  // Copies stay valid if another thread withdraws the topics meanwhile.
+  std::array<Publishers, 2> publishers;
+  {
+    const MutexLock lock(mutex_);
+    publishers = {Publishers{cameras_[0].images, cameras_[0].infos},
+                  Publishers{cameras_[1].images, cameras_[1].infos}};
   }
-  return info;
-}
-
-CameraTopics::Infos CameraTopics::infos() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return {info(cameras_[0]), info(cameras_[1])};
-}
-
-void CameraTopics::publish(const cv::Mat& left, const cv::Mat& right, const Infos& infos,
-                           const ros::Time& stamp) {
-  const std::array<const cv::Mat*, 2> images{&left, &right};
-  std::array<sensor_msgs::CameraInfo, 2> all{infos.left, infos.right};
-  const std::lock_guard<std::mutex> lock(mutex_);
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    if (!shown_) continue;
-    all[i].header.stamp = stamp;
-    all[i].header.frame_id = settings_.frame_id;
-    const bool viewed = cameras_[i].images.getNumSubscribers() > 0;
-    if (viewed && images[i]->empty()) continue;  // nor a camera_info that waits for it
-    if (cameras_[i].infos.getNumSubscribers() > 0) cameras_[i].infos.publish(all[i]);
-    if (viewed) cameras_[i].images.publish(to_image(*images[i], all[i].header));
+  const std::array<const cv::Mat*, 2> images{&pair.left, &pair.right};
+  const std::array<const CameraCalibration*, 2> calibrations{&pair.calibration.left,
+                                                             &pair.calibration.right};
+  // image_geometry requires the left camera's frame in both camera_infos.
+  const std_msgs::Header header = to_header(pair.stamp_ns, pair.left_frame_id);
+  for (std::size_t side = 0; side < publishers.size(); ++side) {
+    const Publishers& to = publishers[side];
+    const bool has_viewers = to.images.getNumSubscribers() > 0;
+    // A camera_info without its image would wait for it in every synchronizer.
+    if (has_viewers && images[side]->empty()) continue;
+    if (to.infos.getNumSubscribers() > 0) {
+      to.infos.publish(to_camera_info(*calibrations[side], header));
+    }
+    if (has_viewers) to.images.publish(to_image(*images[side], header));
   }
 }
 

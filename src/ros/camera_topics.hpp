@@ -1,67 +1,67 @@
-// What a camera driver has on its topics: raw images, camera_info, set_camera_info. There while a
-// board with cameras is.
+// The topics and services of a camera driver, for the cameras of a board: raw images, camera_info
+// and set_camera_info.
 #pragma once
 
 #include <camera_info_manager/camera_info_manager.h>
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
-#include <sensor_msgs/CameraInfo.h>
 
 #include <array>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <opencv2/core.hpp>
 #include <string>
 
+#include "core/thread_safety.hpp"
+#include "fpga_stereo/core/calibration.hpp"
 #include "ros/board_settings.hpp"
+#include "ros/source_pair.hpp"
 
 namespace fpga_stereo {
 
+/// Advertises the topics only while a board with cameras is connected. Thread-safe; its lock is a
+/// leaf, and it is not held while anything is advertised or published.
 class CameraTopics {
  public:
-  struct Infos {
-    sensor_msgs::CameraInfo left, right;
+  /// Which topics have subscribers.
+  struct Demand {
+    bool left = false, right = false;  // raw images
+    bool info = false;                 // either camera_info
+    bool any() const { return left || right || info; }
   };
 
-  /// `changed` is called when somebody begins or ceases to listen.
+  /// `changed` is called from ROS callbacks when a subscriber comes or goes.
   CameraTopics(const ros::NodeHandle& nh, const BoardSettings& settings,
                std::function<void()> changed);
 
-  /// Advertises the topics and services, or takes them back.
-  void show(bool shown);
-  /// Who listens.
-  struct Demand {
-    bool left = false, right = false;  // to the raw images
-    bool info = false;                 // to a camera_info
-    bool any() const { return left || right || info; }
-  };
-  Demand demand() const;
-
-  /// The calibration as it is now: of set_camera_info, or of the files.
-  Infos infos();
-
-  /// What belongs to one pair; images may be empty.
-  void publish(const cv::Mat& left, const cv::Mat& right, const Infos& infos,
-               const ros::Time& stamp);
+  /// Advertises the topics and services, or withdraws them. One thread at a time.
+  void set_advertised(bool is_advertised) FPGA_STEREO_EXCLUDES(mutex_);
+  Demand demand() const FPGA_STEREO_EXCLUDES(mutex_);
+  /// Returns the present calibration: from set_camera_info or the calibration files. An
+  /// uncalibrated camera has K[0] = 0 and the image size of the settings.
+  StereoCalibration calibration() const FPGA_STEREO_EXCLUDES(mutex_);
+  /// Publishes the images of the pair that are not empty, and the camera_infos. One thread at a
+  /// time.
+  void publish(const RawPair& pair) FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
+  /// What is advertised for one camera; all empty while nothing is.
   struct Camera {
-    ros::NodeHandle nh;
-    std::string name, url;
     std::unique_ptr<camera_info_manager::CameraInfoManager> manager;
     image_transport::Publisher images;
     ros::Publisher infos;
   };
-  sensor_msgs::CameraInfo info(Camera& camera);
+
+  Camera advertise(std::size_t side);
 
   const BoardSettings& settings_;
-  std::function<void()> changed_;
+  const std::function<void()> changed_;
   ros::NodeHandle nh_;
   image_transport::ImageTransport transport_;
-  mutable std::mutex mutex_;
-  std::array<Camera, 2> cameras_;
-  bool shown_ = false;
+  std::string calibration_prefix_;  // of the names under which calibrations are stored
+
+  mutable Mutex mutex_;
+  std::array<Camera, 2> cameras_ FPGA_STEREO_GUARDED_BY(mutex_);  // left, right
+  bool is_advertised_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace fpga_stereo

@@ -1,8 +1,10 @@
 #include "ros/conversions.hpp"
 
 #include <cv_bridge/cv_bridge.h>
+#include <fmt/format.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <utility>
 
@@ -13,25 +15,24 @@ namespace {
 
 namespace enc = sensor_msgs::image_encodings;
 
-/// cv_bridge throws on what it cannot convert; here that is a value.
+/// Decodes with cv_bridge, and returns its exceptions as errors.
 Result<cv::Mat> convert(const sensor_msgs::ImageConstPtr& image, const std::string& encoding,
                         const std::string& camera) {
   const auto refuse = [&](const std::string& why) {
     return Error{ErrorKind::kInvalid,
-                 camera + " image with encoding \"" + image->encoding + "\", " +
-                     std::to_string(image->width) + "x" + std::to_string(image->height) +
-                     ", step " + std::to_string(image->step) + ", " +
-                     std::to_string(image->data.size()) + " bytes: " + why +
-                     "; allowed mono8, mono16, bgr8, rgb8, bgra8, rgba8 and bayer_*8"};
+                 fmt::format("{} image with encoding \"{}\", {}x{}, step {}, {} bytes: {}; allowed "
+                             "are mono8, mono16, bgr8, rgb8, bgra8, rgba8 and bayer_*8",
+                             camera, image->encoding, image->width, image->height, image->step,
+                             image->data.size(), why)};
   };
-  if (image->width == 0 || image->height == 0) return refuse("it has no pixel");
+  if (image->width == 0 || image->height == 0) return refuse("it has no pixels");
   try {
     return cv_bridge::toCvShare(image, encoding)->image;
   } catch (const cv_bridge::Exception& e) {
     return refuse(e.what());
   } catch (const cv::Exception& e) {
     return refuse(e.what());
-  } catch (const std::runtime_error& e) {  // an encoding of no known channel count
+  } catch (const std::runtime_error& e) {  // the encoding has no known channel count
     return refuse(e.what());
   }
 }
@@ -45,8 +46,8 @@ sensor_msgs::PointField field(const std::string& name, int offset) {
   return result;
 }
 
-/// Where disparities can be valid: image_pipeline's bounds (disparity.cpp of noetic), but from the
-/// size of the image, which it does not know yet when it computes them.
+/// Returns the window of possible disparities, with the bounds of image_pipeline (disparity.cpp of
+/// noetic). That computes them before it knows the size of the image; this function uses the size.
 sensor_msgs::RegionOfInterest valid_window(cv::Size size, const Parameters& p) {
   const int border = p.correlation_window_size / 2;
   const int left = p.disparity_range + p.min_disparity + border - 1;
@@ -78,12 +79,41 @@ CameraCalibration to_calibration(const sensor_msgs::CameraInfo& info) {
   return c;
 }
 
+sensor_msgs::CameraInfo to_camera_info(const CameraCalibration& calibration,
+                                       const std_msgs::Header& header) {
+  sensor_msgs::CameraInfo info;
+  info.header = header;
+  info.width = static_cast<std::uint32_t>(calibration.width);
+  info.height = static_cast<std::uint32_t>(calibration.height);
+  info.distortion_model = calibration.distortion_model;
+  info.D = calibration.D;
+  std::copy(calibration.K.begin(), calibration.K.end(), info.K.begin());
+  std::copy(calibration.R.begin(), calibration.R.end(), info.R.begin());
+  std::copy(calibration.P.begin(), calibration.P.end(), info.P.begin());
+  info.binning_x = static_cast<std::uint32_t>(calibration.binning_x);
+  info.binning_y = static_cast<std::uint32_t>(calibration.binning_y);
+  info.roi.x_offset = static_cast<std::uint32_t>(calibration.roi.x);
+  info.roi.y_offset = static_cast<std::uint32_t>(calibration.roi.y);
+  info.roi.width = static_cast<std::uint32_t>(calibration.roi.width);
+  info.roi.height = static_cast<std::uint32_t>(calibration.roi.height);
+  return info;
+}
+
+std_msgs::Header to_header(std::int64_t stamp_ns, const std::string& frame_id) {
+  std_msgs::Header header;
+  header.stamp.fromNSec(static_cast<std::uint64_t>(stamp_ns));
+  header.frame_id = frame_id;
+  return header;
+}
+
+bool is_grey(const sensor_msgs::Image& image) { return enc::isMono(image.encoding); }
+
 Result<cv::Mat> to_grey(const sensor_msgs::ImageConstPtr& image, const std::string& camera) {
   return convert(image, enc::MONO8, camera);
 }
 
 Result<cv::Mat> to_bgr(const sensor_msgs::ImageConstPtr& image, const std::string& camera) {
-  return convert(image, enc::isMono(image->encoding) ? enc::MONO8 : enc::BGR8, camera);
+  return convert(image, is_grey(*image) ? enc::MONO8 : enc::BGR8, camera);
 }
 
 cv::Mat image_in(sensor_msgs::Image& message, const std_msgs::Header& header, cv::Size size,
@@ -127,7 +157,7 @@ void to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r, const cv
                      const CloudLayout& layout, const std_msgs::Header& header,
                      sensor_msgs::PointCloud2& message) {
   Cloud cloud;
-  cloud.data.swap(message.data);  // its memory
+  cloud.data.swap(message.data);  // reuses its memory
   to_cloud(disparity, r, color, layout, cloud);
   message.data.swap(cloud.data);
   message.header = header;

@@ -1,4 +1,4 @@
-// Between messages and core. Plain functions: they need no node and no master.
+// Converts between ROS messages and the types of core. Needs neither a node nor a master.
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
@@ -7,6 +7,7 @@
 #include <std_msgs/Header.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
 
@@ -17,32 +18,40 @@
 
 namespace fpga_stereo {
 
-/// The same fields under the names of core.
+/// Copies all fields that core uses: all but roi.do_rectify and the header.
 CameraCalibration to_calibration(const sensor_msgs::CameraInfo& info);
+sensor_msgs::CameraInfo to_camera_info(const CameraCalibration& calibration,
+                                       const std_msgs::Header& header);
 
-/// Any encoding that cv_bridge turns into grey (mono8, mono16, bgr8, rgb8, bgra8, rgba8, bayer_*)
-/// as 8UC1. Shares the data of a mono8 message. `camera` names the image in the refusal.
+std_msgs::Header to_header(std::int64_t stamp_ns, const std::string& frame_id);
+
+/// True if the camera sees no colour: mono8 or mono16.
+bool is_grey(const sensor_msgs::Image& image);
+
+/// Decodes mono8, mono16, bgr8, rgb8, bgra8, rgba8 and bayer_*8 to 8UC1. The result of a mono8
+/// message lies in the memory of the message. `camera` names the image in the error.
 Result<cv::Mat> to_grey(const sensor_msgs::ImageConstPtr& image, const std::string& camera);
 
-/// The same in colour: 8UC3 bgr, or 8UC1 where the camera sees grey.
+/// Decodes the same encodings to 8UC3 BGR; grey images to 8UC1.
 Result<cv::Mat> to_bgr(const sensor_msgs::ImageConstPtr& image, const std::string& camera);
 
-/// Makes `message` an image of this size and type (8UC1: mono8, 8UC3: bgr8, 16UC1, 32FC1) and
-/// returns its pixels, which are in the memory of the message, to be written.
+/// Gives `message` the fields of an image of this size and type (8UC1: mono8, 8UC3: bgr8, 16UC1,
+/// 32FC1). Returns its pixels, not initialised, in the memory of the message.
 cv::Mat image_in(sensor_msgs::Image& message, const std_msgs::Header& header, cv::Size size,
                  int type);
 
-/// A copy of an 8UC1 (mono8), 8UC3 (bgr8), 16UC1 or 32FC1 image as a message.
+/// Copies an 8UC1 (mono8), 8UC3 (bgr8), 16UC1 or 32FC1 image into a new message.
 sensor_msgs::ImagePtr to_image(const cv::Mat& image, const std_msgs::Header& header);
 
-/// Fields as stereo_image_proc fills them; where they differ: valid_window is computed from the
-/// size of the image, delta_d is our step, the offset of the principal points is subtracted once.
-/// Of a message that is used again all is written.
+/// Fills `message` as stereo_image_proc does, with three differences: valid_window is computed from
+/// the size of the image, delta_d is the step of this pipeline, and the difference of the principal
+/// points is subtracted once. Overwrites all fields, so that messages can be reused.
 void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geometry,
                         const Parameters& parameters, const std_msgs::Header& header,
                         stereo_msgs::DisparityImage& message);
 
-/// Fields x, y, z and, by layout, rgb or intensity. Of a message that is used again all is written.
+/// Fills `message` with the fields x, y, z and, depending on the layout, rgb or intensity.
+/// Overwrites all fields, so that messages can be reused.
 void to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
                      const CloudLayout& layout, const std_msgs::Header& header,
                      sensor_msgs::PointCloud2& message);

@@ -1,5 +1,7 @@
 #include "ros/health.hpp"
 
+#include <ros/console.h>
+
 #include <algorithm>
 
 namespace fpga_stereo {
@@ -19,44 +21,60 @@ DropCause cause_of(ErrorKind kind) {
 }
 
 void Health::received() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const MutexLock lock(mutex_);
   ++in_;
 }
 
 void Health::dropped(DropCause cause, std::uint64_t frames) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const MutexLock lock(mutex_);
   dropped_[static_cast<std::size_t>(cause)] += frames;
 }
 
-void Health::refused(DropCause cause, const std::string& why) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  ++dropped_[static_cast<std::size_t>(cause)];
-  refusal_ = why;
+void Health::refused(DropCause cause, const std::string& text) {
+  refused(cause, {kDropCauses[static_cast<std::size_t>(cause)].state, text});
+}
+
+void Health::refused(DropCause cause, const StateReport& report) {
+  bool is_new = false;
+  {
+    const MutexLock lock(mutex_);
+    ++dropped_[static_cast<std::size_t>(cause)];
+    // Every late frame has another stamp in its text.
+    is_new = !refusal_ || refusal_->cause != cause ||
+             (cause != DropCause::kStamp && refusal_->report.text != report.text);
+    refusal_ = Refusal{cause, report};
+  }
+  if (!is_new) return;
+  if (severity(report.state) == Severity::kError) {
+    ROS_ERROR_STREAM_NAMED("stereo", report.text);
+  } else {
+    ROS_WARN_STREAM_NAMED("stereo", report.text);
+  }
 }
 
 void Health::published(const StageTimes& stages, double publish_ms, double latency_ms) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const MutexLock lock(mutex_);
   ++published_;
   ++frames_;
-  refusal_.clear();
+  refusal_.reset();
   for (std::size_t i = 0; i < stages.size(); ++i) stage_ms_[i] += stages[i];
   publish_ms_ += publish_ms;
   latency_ms_ += latency_ms;
 }
 
 void Health::link_latency(double ms) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  constexpr std::size_t kMost = 10000;
-  if (link_latency_ms_.size() < kMost) link_latency_ms_.push_back(ms);
+  const MutexLock lock(mutex_);
+  constexpr std::size_t kMaxLatencies = 10000;  // in case nobody reads the status
+  if (link_latency_ms_.size() < kMaxLatencies) link_latency_ms_.push_back(ms);
 }
 
-void Health::listening(bool anyone) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  listening_ = anyone;
+void Health::set_has_subscribers(bool has_subscribers) {
+  const MutexLock lock(mutex_);
+  has_subscribers_ = has_subscribers;
 }
 
 StereoStatus Health::report(bool restart) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const MutexLock lock(mutex_);
   StereoStatus s;
   s.frames_in = in_;
   s.frames_published = published_;
@@ -68,10 +86,9 @@ StereoStatus Health::report(bool restart) {
   if (frames_ > 0) {
     const auto n = static_cast<double>(frames_);
     const auto mean = [&](double sum) { return static_cast<float>(sum / n); };
-    const auto stage = [&](Stage which) {
-      return mean(stage_ms_[static_cast<std::size_t>(which)]);
-    };
-    s.rate = static_cast<float>(n / std::max((now - since_).toSec(), 1e-3));
+    const StageTimes sums = stage_ms_;
+    const auto stage = [&](Stage which) { return mean(sums[static_cast<std::size_t>(which)]); };
+    s.rate = static_cast<float>(n / std::max((now - interval_start_).toSec(), 1e-3));
     s.latency_ms = mean(latency_ms_);
     s.rectify_ms = stage(Stage::kRectify);
     s.census_ms = stage(Stage::kCensus);
@@ -93,7 +110,7 @@ StereoStatus Health::report(bool restart) {
   }
   if (restart) {
     link_latency_ms_.clear();
-    since_ = now;
+    interval_start_ = now;
     frames_ = 0;
     stage_ms_ = {};
     publish_ms_ = latency_ms_ = 0;
@@ -101,19 +118,15 @@ StereoStatus Health::report(bool restart) {
   return s;
 }
 
-std::uint64_t Health::published_count() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return published_;
+std::optional<StateReport> Health::refusal() const {
+  const MutexLock lock(mutex_);
+  if (!refusal_) return std::nullopt;
+  return refusal_->report;
 }
 
-std::string Health::refusal() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return refusal_;
-}
-
-bool Health::anyone_listens() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return listening_;
+bool Health::has_subscribers() const {
+  const MutexLock lock(mutex_);
+  return has_subscribers_;
 }
 
 }  // namespace fpga_stereo

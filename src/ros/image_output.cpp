@@ -13,11 +13,12 @@ void ImageOutput::publish(const std_msgs::Header& header, cv::Size size, int typ
 }
 
 void ImageOutput::publish(const std_msgs::Header& header, const cv::Mat& image,
-                          const sensor_msgs::ImageConstPtr& raw) {
-  const bool same = raw != nullptr && image.data == raw->data.data() &&
-                    raw->header.stamp == header.stamp && raw->header.frame_id == header.frame_id;
-  if (same) {
-    publisher_.publish(raw);
+                          const sensor_msgs::ImageConstPtr& message) {
+  const bool is_same = message != nullptr && image.data == message->data.data() &&
+                       message->header.stamp == header.stamp &&
+                       message->header.frame_id == header.frame_id;
+  if (is_same) {
+    publisher_.publish(message);
   } else {
     publish(header, image.size(), image.type(), [&](cv::Mat& to) { image.copyTo(to); });
   }

@@ -1,4 +1,4 @@
-// A topic of images.
+// One image topic.
 #pragma once
 
 #include <image_transport/image_transport.h>
@@ -10,20 +10,21 @@
 
 namespace fpga_stereo {
 
-/// Publishes images without a copy where there is a message already, and else into the memory of
-/// messages that nobody holds any more.
+/// Publishes images. Passes a camera's message on if possible; otherwise copies into a message that
+/// no subscriber holds any more. One thread at a time.
 class ImageOutput {
  public:
   ImageOutput() = default;
   explicit ImageOutput(const image_transport::Publisher& publisher) : publisher_(publisher) {}
 
-  bool wanted() const { return publisher_.getNumSubscribers() > 0; }
-  /// The image of this size and type (8UC1, 8UC3, 16UC1, 32FC1) that `write` makes.
+  bool has_subscribers() const { return publisher_.getNumSubscribers() > 0; }
+  /// Publishes an image of this size and type (8UC1, 8UC3, 16UC1, 32FC1) whose pixels `write`
+  /// fills.
   void publish(const std_msgs::Header& header, cv::Size size, int type,
                const std::function<void(cv::Mat&)>& write);
-  /// This image; `raw` itself, where that has these pixels and this header.
+  /// Publishes a copy of the image; or `message` itself if it has these pixels and this header.
   void publish(const std_msgs::Header& header, const cv::Mat& image,
-               const sensor_msgs::ImageConstPtr& raw = nullptr);
+               const sensor_msgs::ImageConstPtr& message = nullptr);
 
  private:
   image_transport::Publisher publisher_;

@@ -1,19 +1,22 @@
-// Frames from raw pairs: what software and board sources have in common.
+// Makes frames from raw pairs, for the software and for boards.
 #pragma once
 
 #include "fpga_stereo/core/result.hpp"
-#include "ros/frame.hpp"
-#include "ros/topic_input.hpp"
+#include "ros/demand.hpp"
+#include "ros/source_pair.hpp"
+#include "ros/stereo_frame.hpp"
 
 namespace fpga_stereo {
 
-/// Headers, camera_info, geometry, settings and the grey images; no disparity yet. Refuses images
-/// that cannot be read and those of another size than the rectification's.
-Result<StereoFrame> begin_frame(const InputPair& pair, const StereoRectification& rectification,
-                                const Settings& settings);
+/// Returns a frame with the raw images, headers, calibration and settings of the pair, without
+/// geometry, rectified images and disparity.
+StereoFrame make_raw_frame(const SourcePair& pair, const Settings& settings);
 
-/// Adds the pictures that somebody listens to and that are not there yet.
-Status add_pictures(const InputPair& pair, const StereoRectification& rectification,
-                    const Demand& demand, StereoFrame& frame);
+/// Refuses a pair whose images the rectification was not made for.
+Status check_pair_size(const RawPair& pair, const StereoRectification& rectification);
+
+/// Rectifies the raw images of the frame that are in demand and not rectified yet.
+void add_rectified_images(const StereoRectification& rectification, const Demand& demand,
+                          StereoFrame& frame);
 
 }  // namespace fpga_stereo

@@ -1,5 +1,5 @@
-// Messages that are used again when nobody holds them any more: a large one costs more to allocate
-// and to fill with zeros than to write.
+// Reuses messages that no subscriber holds any more. Allocating a large message and filling it with
+// zeros costs more than writing it.
 #pragma once
 
 #include <atomic>
@@ -9,24 +9,25 @@
 
 namespace fpga_stereo {
 
-/// Of one topic; used by one thread. Who gets a message may keep it for as long as it likes.
+/// The messages of one topic. One thread at a time. Subscribers may keep a message for as long as
+/// they like.
 template <class Message>
 class MessagePool {
  public:
-  /// One that nobody else holds, with what was in it before.
+  /// Returns a message that nobody else holds. It still has its old content.
   boost::shared_ptr<Message> take() {
     for (const auto& message : messages_) {
       if (message.use_count() != 1) continue;
-      std::atomic_thread_fence(std::memory_order_acquire);  // behind the reads of its last holder
+      std::atomic_thread_fence(std::memory_order_acquire);  // after the last holder's reads
       return message;
     }
-    auto made = boost::make_shared<Message>();
-    if (messages_.size() < kMost) messages_.push_back(made);
-    return made;
+    auto message = boost::make_shared<Message>();
+    if (messages_.size() < kMaxKept) messages_.push_back(message);
+    return message;
   }
 
  private:
-  static constexpr std::size_t kMost = 4;  // kept; subscribers with longer queues get new ones
+  static constexpr std::size_t kMaxKept = 4;  // if subscribers hold more, they get new messages
 
   std::vector<boost::shared_ptr<Message>> messages_;
 };

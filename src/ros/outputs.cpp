@@ -30,10 +30,10 @@ Outputs::Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed
 
 CameraDemand Outputs::CameraOutputs::demand() const {
   CameraDemand demand;
-  demand.mono = mono.wanted();
-  demand.color = color.wanted();
-  demand.rect = rect.wanted();
-  demand.rect_color = rect_color.wanted();
+  demand.mono = mono.has_subscribers();
+  demand.color = color.has_subscribers();
+  demand.rect = rect.has_subscribers();
+  demand.rect_color = rect_color.has_subscribers();
   return demand;
 }
 
@@ -45,14 +45,14 @@ Demand Outputs::demand(const Settings& settings) const {
   demand.left.rect = demand.left.rect || cloud;
   demand.left.rect_color =
       demand.left.rect_color || (cloud && settings.cloud.color == PointColor::kRgb);
-  demand.disparity = cloud || disparity_.getNumSubscribers() > 0 || depth_.wanted() ||
-                     depth_info_.getNumSubscribers() > 0 || disparity_color_.wanted();
+  demand.disparity = cloud || disparity_.getNumSubscribers() > 0 || depth_.has_subscribers() ||
+                     depth_info_.getNumSubscribers() > 0 || disparity_color_.has_subscribers();
   return demand;
 }
 
 void Outputs::CameraOutputs::publish(const CameraImages& images) {
   const auto publish_image = [&](ImageOutput& to, const cv::Mat& image) {
-    if (to.wanted() && !image.empty()) to.publish(images.header, image, images.raw);
+    if (to.has_subscribers() && !image.empty()) to.publish(images.header, image, images.message);
   };
   publish_image(mono, images.mono);
   publish_image(color, images.color);
@@ -72,7 +72,7 @@ void Outputs::publish(const StereoFrame& frame) {
     disparity_.publish(message);
   }
   publish_depth(frame);
-  if (disparity_color_.wanted()) {
+  if (disparity_color_.has_subscribers()) {
     cv::Mat3b picture;
     to_color(frame.disparity, parameters.disparity_range, picture);
     disparity_color_.publish(frame.left.header, picture);
@@ -83,19 +83,19 @@ void Outputs::publish(const StereoFrame& frame) {
 void Outputs::publish_depth(const StereoFrame& frame) {
   const Reprojection r = make_reprojection(frame.geometry, frame.settings.pipeline.min_disparity);
   const cv::Size size = frame.disparity.size();
-  if (depth_.wanted() && frame.settings.depth_encoding == DepthEncoding::kMetres) {
+  if (depth_.has_subscribers() && frame.settings.depth_encoding == DepthEncoding::kMetres) {
     depth_.publish(frame.left.header, size, CV_32FC1, [&](cv::Mat& to) {
       cv::Mat1f metres = to;
       to_depth(frame.disparity, r, metres);
     });
-  } else if (depth_.wanted()) {
+  } else if (depth_.has_subscribers()) {
     depth_.publish(frame.left.header, size, CV_16UC1, [&](cv::Mat& to) {
       cv::Mat1w millimetres = to;
       to_depth(frame.disparity, r, millimetres);
     });
   }
   if (depth_info_.getNumSubscribers() > 0) {
-    sensor_msgs::CameraInfo info = frame.left_info;
+    sensor_msgs::CameraInfo info = *frame.left_info;
     info.header = frame.left.header;
     info.P[3] = 0;
     depth_info_.publish(info);
@@ -106,9 +106,9 @@ void Outputs::publish_cloud(const StereoFrame& frame) {
   if (points2_.getNumSubscribers() == 0 || frame.left.rect.empty()) return;
   const Settings& settings = frame.settings;
   const double elapsed = (frame.left.header.stamp - last_cloud_).toSec();
-  // A tenth of a period early is in time: stamps jitter. Time that moved back starts anew.
-  const bool early = elapsed >= 0 && elapsed * settings.cloud_max_rate < 0.9;
-  if (settings.cloud_max_rate > 0 && early) return;
+  // Stamps jitter, so a tenth of a period early is in time. Time that went back is not early.
+  const bool is_early = elapsed >= 0 && elapsed * settings.cloud_max_rate < 0.9;
+  if (settings.cloud_max_rate > 0 && is_early) return;
   last_cloud_ = frame.left.header.stamp;
   const cv::Mat& color = frame.left.rect_color.empty() ? frame.left.rect : frame.left.rect_color;
   const auto message = clouds_.take();

@@ -1,4 +1,4 @@
-// The topics that the node publishes, and who listens to them.
+// The topics that the node publishes and the demand of their subscribers.
 #pragma once
 
 #include <image_transport/image_transport.h>
@@ -8,25 +8,27 @@
 
 #include <functional>
 
-#include "ros/frame.hpp"
+#include "ros/demand.hpp"
 #include "ros/image_output.hpp"
 #include "ros/message_pool.hpp"
+#include "ros/stereo_frame.hpp"
 
 namespace fpga_stereo {
 
-/// Publishes a frame on every topic that has a subscriber. Converts nothing nobody listens to.
+/// Publishes a frame on every topic that has a subscriber and makes no other conversions.
 class Outputs {
  public:
-  /// `changed` is called when somebody begins or ceases to listen, possibly before this
+  /// `changed` is called from ROS callbacks when a subscriber comes or goes, possibly before this
   /// constructor returns.
   Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed);
 
-  /// What the next frame needs, given how the cloud is coloured.
+  /// Returns what the next frame needs; the settings tell how the cloud is coloured. Any thread.
   Demand demand(const Settings& settings) const;
+  /// Publishes one frame. One thread at a time.
   void publish(const StereoFrame& frame);
 
  private:
-  /// The topics of one camera, named as image_proc names them.
+  /// The topics of one camera under the names of image_proc.
   struct CameraOutputs {
     ImageOutput mono, color, rect, rect_color;
 
@@ -41,7 +43,7 @@ class Outputs {
   CameraOutputs left_, right_;
   ImageOutput depth_, disparity_color_;
   ros::Publisher depth_info_, disparity_, points2_;
-  ros::Time last_cloud_;  // stamp
+  ros::Time last_cloud_;  // stamp of the last published cloud
   MessagePool<sensor_msgs::PointCloud2> clouds_;
   MessagePool<stereo_msgs::DisparityImage> disparities_;
 };

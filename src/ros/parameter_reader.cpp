@@ -23,7 +23,7 @@ const char* type_of(const V& value) {
     case V::TypeString:
       return "text";
     default:
-      return "no single value";
+      return "not a single value";
   }
 }
 
@@ -47,7 +47,7 @@ std::string refusal(const std::string& name, const std::string& value, const std
 void ParameterReader::refuse_type(const std::string& name, const std::string& allowed,
                                   const std::string& used) {
   V value;
-  if (!nh_.getParam(name, value)) return;  // it is not set
+  if (!nh_.getParam(name, value)) return;  // not set
   refusals_.push_back(refusal(name, with_type(value), allowed, used));
 }
 

@@ -1,5 +1,5 @@
-// Parameters that are read once at the start. What is not allowed, or of another type, keeps its
-// default and is named: nothing is passed over in silence.
+// Reads parameters at the start of the node. A value of a wrong type or range keeps its default,
+// and a message says so.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -11,25 +11,26 @@
 
 namespace fpga_stereo {
 
-/// A parameter as the parameter server has it, as text.
+/// Returns the value as text.
 std::string text_of(XmlRpc::XmlRpcValue& value);
-/// "1 (a whole number)".
+/// Returns value and type, for example "1 (a whole number)".
 std::string with_type(XmlRpc::XmlRpcValue& value);
 
-/// "name = value: allowed ...; using ...".
+/// Returns "name = value: allowed ...; using ...".
 std::string refusal(const std::string& name, const std::string& value, const std::string& allowed,
                     const std::string& used);
 
 class ParameterReader {
  public:
-  /// Both outlive it.
+  /// Appends a message to `refusals` for each refused value. Both arguments must outlive the
+  /// reader.
   ParameterReader(const ros::NodeHandle& nh, std::vector<std::string>& refusals)
       : nh_(nh), refusals_(refusals) {}
 
-  // Each leaves `value` as it is where the parameter is not set, or refused. A whole number is a
-  // number, too.
+  // Each function sets `value` if the parameter is set and allowed. A whole number is also allowed
+  // for a double.
   void number(const std::string& name, int min, int max, int& value);
-  /// More than `above`, or at least that where `inclusive`.
+  /// Allows `min` to `max`; `min` itself only if `inclusive`.
   void number(const std::string& name, double min, double max, double& value,
               bool inclusive = true);
   void flag(const std::string& name, bool& value);
@@ -52,7 +53,7 @@ class ParameterReader {
   }
 
  private:
-  /// Whether the parameter is set, and of this type.
+  /// Returns true if the parameter is set and has this type.
   template <class T>
   bool read(const std::string& name, const std::string& allowed, const std::string& used,
             T& value) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -25,7 +26,7 @@ dynamic_reconfigure::Config to_message(const StereoConfig& config) {
   return message;
 }
 
-/// The values of a configuration, as text by name.
+/// Returns the values of all parameters as text, by name.
 std::map<std::string, std::string> texts(const StereoConfig& config) {
   std::map<std::string, std::string> values;
   const dynamic_reconfigure::Config message = to_message(config);
@@ -36,45 +37,50 @@ std::map<std::string, std::string> texts(const StereoConfig& config) {
   return values;
 }
 
-/// What a text parameter of the outputs may be.
+/// Returns the allowed values of the text parameters of the outputs.
 const std::map<std::string, std::vector<std::string>>& choices() {
   static const std::map<std::string, std::vector<std::string>> table{
       {"cloud_fields", {"rgb", "mono", "xyz"}}, {"depth_encoding", {"32FC1", "16UC1"}}};
   return table;
 }
 
-std::string either(const std::vector<std::string>& names) {
+std::string join_with_or(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " or ") + name;
   return text;
 }
 
-/// Why the parameter `name` may not be `value`: what is allowed; empty where it may.
-std::string allowed_unless(const std::string& name, const std::string& value) {
+/// Returns nullopt if `value` is allowed for the parameter `name`, otherwise a text that says what
+/// is.
+std::optional<std::string> allowed_instead(const std::string& name, const std::string& value) {
   for (const ParameterInfo& info : parameter_table()) {
     Parameters scratch;
     if (info.name == name) {
-      return set_parameter(scratch, name, value) ? "" : allowed_values(info);
+      if (set_parameter(scratch, name, value)) return std::nullopt;
+      return allowed_values(info);
     }
   }
   if (const auto found = choices().find(name); found != choices().end()) {
     const auto& names = found->second;
-    return std::count(names.begin(), names.end(), value) != 0 ? "" : either(names);
+    if (std::count(names.begin(), names.end(), value) != 0) return std::nullopt;
+    return join_with_or(names);
   }
-  static const auto least = texts(StereoConfig::__getMin__());
-  static const auto most = texts(StereoConfig::__getMax__());
-  if (least.at(name) == "false") {
-    return value == "true" || value == "false" ? "" : "true or false";
+  static const auto min = texts(StereoConfig::__getMin__());
+  static const auto max = texts(StereoConfig::__getMax__());
+  if (min.at(name) == "false") {
+    if (value == "true" || value == "false") return std::nullopt;
+    return "true or false";
   }
   std::istringstream stream(value);
   double number = 0;
-  const bool parsed = stream >> number && stream.eof();
-  const bool in_range =
-      parsed && number >= std::stod(least.at(name)) && number <= std::stod(most.at(name));
-  return in_range ? "" : least.at(name) + " to " + most.at(name);
+  const bool is_number = stream >> number && stream.eof();
+  if (is_number && number >= std::stod(min.at(name)) && number <= std::stod(max.at(name))) {
+    return std::nullopt;
+  }
+  return min.at(name) + " to " + max.at(name);
 }
 
-/// Whether the parameter is of the type that dynamic_reconfigure reads; it passes over others.
+/// Returns true if the parameter has the type that dynamic_reconfigure reads; it ignores others.
 bool has_its_type(const ros::NodeHandle& nh, const std::string& name) {
   const dynamic_reconfigure::Config message = to_message(StereoConfig::__getDefault__());
   const auto readable = [&](const auto& parameters, auto value) {
@@ -85,7 +91,7 @@ bool has_its_type(const ros::NodeHandle& nh, const std::string& name) {
          readable(message.strs, std::string()) || readable(message.bools, false);
 }
 
-/// Puts the value of `name` from one configuration into another.
+/// Copies the value of `name` from `from` to `config`.
 void restore(StereoConfig& config, const StereoConfig& from, const std::string& name) {
   const dynamic_reconfigure::Config source = to_message(from);
   dynamic_reconfigure::Config target = to_message(config);
@@ -119,10 +125,10 @@ std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh
     XmlRpc::XmlRpcValue value;
     if (!private_nh.getParam(name, value)) continue;
     const bool readable = has_its_type(private_nh, name);
-    const std::string allowed = allowed_unless(name, readable ? text_of(value) : "");
-    if (allowed.empty()) continue;
+    const auto allowed = allowed_instead(name, readable ? text_of(value) : "");
+    if (!allowed) continue;
     refusals.push_back(
-        refusal(name, readable ? text_of(value) : with_type(value), allowed, default_value));
+        refusal(name, readable ? text_of(value) : with_type(value), *allowed, default_value));
     private_nh.deleteParam(name);
   }
   return refusals;
@@ -141,16 +147,16 @@ Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
                      std::vector<std::string>& refusals) {
   const auto fallback = texts(accepted);
   for (const auto& [name, value] : texts(config)) {
-    const std::string allowed = allowed_unless(name, value);
-    if (allowed.empty()) continue;
-    refusals.push_back(refusal(name, value, allowed, fallback.at(name)));
+    const auto allowed = allowed_instead(name, value);
+    if (!allowed) continue;
+    refusals.push_back(refusal(name, value, *allowed, fallback.at(name)));
     restore(config, accepted, name);
   }
 
   Settings settings;
   const auto values = texts(config);
   for (const ParameterInfo& info : parameter_table()) {
-    // Cannot fail: every value has just been checked.
+    // This cannot fail, because every value has just been checked.
     (void)set_parameter(settings.pipeline, info.name, values.at(info.name));
   }
   settings.cloud.color = config.cloud_fields == "rgb"    ? PointColor::kRgb

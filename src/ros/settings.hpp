@@ -1,4 +1,4 @@
-// What the node's parameters mean, and the one way from ROS to them.
+// The settings of the node and how they are read from ROS parameters.
 #pragma once
 
 #include <fpga_stereo/StereoConfig.h>
@@ -19,32 +19,32 @@ enum class DepthEncoding { kMetres, kMillimetres };
 struct Settings {
   Parameters pipeline;
   CloudLayout cloud;
-  double cloud_max_rate = 0;  // Hz; 0: every frame
+  double cloud_max_rate = 0;  // Hz; 0: a cloud for every frame
   DepthEncoding depth_encoding = DepthEncoding::kMetres;
   int num_threads = 1;
 };
 
-/// How image and camera_info messages are paired; read once at the start.
+/// How image and camera_info messages are paired. Read once at the start.
 struct SyncSettings {
   bool approximate_sync = false;
   int queue_size = 5;           // messages per topic
   double sync_tolerance = 0.1;  // s; approximate_sync pairs nothing further apart
 };
 
-/// Reads ~approximate_sync, ~queue_size and ~sync_tolerance. What is refused keeps its default
-/// and is named in `refusals`.
+/// Reads ~approximate_sync, ~queue_size and ~sync_tolerance. A refused value keeps its default; a
+/// message about it is appended to `refusals`.
 SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
                                 std::vector<std::string>& refusals);
 
-/// Deletes parameters of the configuration that are set to something not allowed, so that their
-/// defaults hold; names each in the returned refusals. Call before dynamic_reconfigure reads them.
+/// Deletes dynamic_reconfigure parameters with values that are not allowed, so that their defaults
+/// hold. Returns a message for each. Call before dynamic_reconfigure reads the parameters.
 std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh);
 
-/// Parameters of stereo_image_proc that are set here but mean nothing to this pipeline.
+/// Returns the parameters of stereo_image_proc that are set but have no effect in this node.
 std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh);
 
-/// The settings that `config` asks for. A value that is not allowed is replaced, in `config` too,
-/// by the one of `accepted`, and named in `refusals`.
+/// Converts `config` to settings. A value that is not allowed is replaced by the one in `accepted`,
+/// in `config` too, and a message about it is appended to `refusals`.
 Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
                      std::vector<std::string>& refusals);
 

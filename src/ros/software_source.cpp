@@ -1,96 +1,93 @@
 #include "ros/software_source.hpp"
 
-#include <ros/console.h>
-
 #include <utility>
 
 #include "ros/make_frame.hpp"
+#include "ros/rectification_log.hpp"
 
 namespace fpga_stereo {
+
 SoftwareSource::SoftwareSource(Health& health, Callback callback)
     : health_(health), callback_(std::move(callback)), thread_([this] { run(); }) {}
 
 SoftwareSource::~SoftwareSource() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    stopping_ = true;
+    const MutexLock lock(mutex_);
+    is_stopping_ = true;
   }
   wake_.notify_one();
   thread_.join();
 }
 
-void SoftwareSource::forget() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+void SoftwareSource::drop_waiting() {
+  const MutexLock lock(mutex_);
   if (waiting_) health_.dropped(DropCause::kUnwanted);
   waiting_.reset();
 }
 
 void SoftwareSource::set_demand(const Demand& demand) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const MutexLock lock(mutex_);
   demand_ = demand;
 }
 
 void SoftwareSource::set_settings(const Settings& settings) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const MutexLock lock(mutex_);
   settings_ = settings;
 }
 
-void SoftwareSource::receive(const InputPair& pair) {
+void SoftwareSource::receive(const SourcePair& pair) {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const MutexLock lock(mutex_);
     if (waiting_) health_.dropped(DropCause::kReplaced);
-    waiting_ = pair;
+    // Pairs that a board gives back may be older than one that came from the topics meanwhile.
+    if (!waiting_ || pair.number > waiting_->number) waiting_ = pair;
   }
   wake_.notify_one();
 }
 
+std::optional<SoftwareSource::Job> SoftwareSource::wait_for_job() {
+  const MutexLock lock(mutex_);
+  while (!is_stopping_ && !waiting_) wake_.wait(mutex_);
+  if (is_stopping_) return std::nullopt;
+  Job job{std::move(*waiting_), demand_, settings_};
+  waiting_.reset();
+  return job;
+}
+
 void SoftwareSource::run() {
-  while (true) {
-    InputPair pair;
-    Demand demand;
-    Settings settings;
-    {
-      std::unique_lock<std::mutex> lock(mutex_);
-      wake_.wait(lock, [this] { return stopping_ || waiting_.has_value(); });
-      if (stopping_) return;
-      pair = std::move(*waiting_);
-      waiting_.reset();
-      demand = demand_;
-      settings = settings_;
-    }
-    if (!demand.any()) {
+  while (const std::optional<Job> job = wait_for_job()) {
+    if (!job->demand.any()) {
       health_.dropped(DropCause::kUnwanted);
-    } else if (const Result<StereoFrame> frame = make(pair, demand, settings); frame) {
+    } else if (const Result<StereoFrame> frame = make_frame(*job); frame) {
       callback_(*frame);
     } else {
-      refuse(cause_of(frame.error().kind), frame.error().message);
+      health_.refused(cause_of(frame.error().kind), frame.error().message);
     }
   }
 }
 
-void SoftwareSource::refuse(DropCause cause, const std::string& why) {
-  // Once per reason, not once per frame.
-  if (health_.refusal() != why) ROS_ERROR_STREAM_NAMED("stereo", why);
-  health_.refused(cause, why);
-}
+Result<StereoFrame> SoftwareSource::make_frame(const Job& job) {
+  const RawPair& raw = job.pair.raw;
+  const Parameters& parameters = job.settings.pipeline;
+  const auto& cached = rectifications_.get(raw.calibration, parameters.min_disparity);
+  if (!cached) return cached.error();
+  const StereoRectification& rectification = **cached;
+  if (std::exchange(logged_, &rectification) != &rectification) log_rectification(rectification);
+  if (const Status size = check_pair_size(raw, rectification); !size) return size.error();
 
-Result<StereoFrame> SoftwareSource::make(const InputPair& pair, const Demand& demand,
-                                         const Settings& settings) {
-  const auto& made = rectifier_(*pair.left_info, *pair.right_info, settings.pipeline.min_disparity);
-  if (!made) return made.error();
-  auto begun = begin_frame(pair, **made, settings);
-  if (!begun) return begun.error();
-  StereoFrame& frame = *begun;
-  if (demand.disparity) {
-    const DisparityFrame& computed = pipeline_.process(frame.left.mono, frame.right.mono, **made,
-                                                       settings.pipeline, settings.num_threads);
+  StereoFrame frame = make_raw_frame(job.pair, job.settings);
+  frame.geometry = rectification.geometry;
+  if (job.demand.disparity) {
+    const DisparityFrame& computed =
+        pipeline_.process(raw.left, raw.right, rectification, parameters, job.settings.num_threads);
     frame.disparity = computed.disparity;
     frame.left.rect = computed.left;
-    if (settings.pipeline.min_disparity == 0) frame.right.rect = computed.right;
+    // Others expect a right image that is not shifted by min_disparity.
+    if (parameters.min_disparity == 0) frame.right.rect = computed.right;
     frame.ms = computed.ms;
   }
-  if (const Status added = add_pictures(pair, **made, demand, frame); !added) return added.error();
-  return begun;
+  add_rectified_images(rectification, job.demand, frame);
+  return frame;
 }
 
 }  // namespace fpga_stereo

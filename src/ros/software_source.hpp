@@ -1,63 +1,69 @@
-// Frames made by the software pipeline.
+// Makes frames with the software pipeline.
 #pragma once
 
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <optional>
-#include <string>
 #include <thread>
 
+#include "core/thread_safety.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
-#include "ros/frame.hpp"
+#include "fpga_stereo/core/rectification_cache.hpp"
+#include "ros/demand.hpp"
 #include "ros/health.hpp"
-#include "ros/rectifier.hpp"
-#include "ros/topic_input.hpp"
+#include "ros/source_pair.hpp"
+#include "ros/stereo_frame.hpp"
 
 namespace fpga_stereo {
 
-/// One thread of its own makes frames of pairs and hands them on. A pair that waits for that thread
-/// is replaced by a newer one: work never queues up.
+/// One thread computes frames and hands them on. At most one pair waits for it: a newer pair
+/// replaces the waiting one, so that latency stays bounded.
 class SoftwareSource {
  public:
-  static constexpr const char* kName = "software";
   using Callback = std::function<void(const StereoFrame&)>;
 
-  /// `callback` is called from the source's own thread.
+  /// Calls `callback` from the source's own thread, without a lock. `health` must outlive the
+  /// source.
   SoftwareSource(Health& health, Callback callback);
   ~SoftwareSource();
   SoftwareSource(const SoftwareSource&) = delete;
   SoftwareSource& operator=(const SoftwareSource&) = delete;
 
-  /// Takes a pair; from any thread.
-  void receive(const InputPair& pair);
-  /// Nobody wants the pair that waits any more.
-  void forget();
-  /// What the next frame shall contain.
-  void set_demand(const Demand& demand);
-  void set_settings(const Settings& settings);
+  /// Takes a pair. Any thread.
+  void receive(const SourcePair& pair) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Drops the waiting pair.
+  void drop_waiting() FPGA_STEREO_EXCLUDES(mutex_);
+  /// Sets what the next frame contains.
+  void set_demand(const Demand& demand) FPGA_STEREO_EXCLUDES(mutex_);
+  void set_settings(const Settings& settings) FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
-  void run();
-  /// The frame, or the reason why there is none.
-  Result<StereoFrame> make(const InputPair& pair, const Demand& demand, const Settings& settings);
-  void refuse(DropCause cause, const std::string& why);
+  struct Job {
+    SourcePair pair;
+    Demand demand;
+    Settings settings;
+  };
+
+  void run() FPGA_STEREO_EXCLUDES(mutex_);
+  /// Blocks until a pair waits; returns nullopt when the source is being destroyed.
+  std::optional<Job> wait_for_job() FPGA_STEREO_EXCLUDES(mutex_);
+  Result<StereoFrame> make_frame(const Job& job);
 
   Health& health_;
-  Callback callback_;
+  const Callback callback_;
 
-  // Owned by the thread.
+  // Used by the source's thread alone.
   Pipeline pipeline_;
-  Rectifier rectifier_;
+  RectificationCache rectifications_;
+  const StereoRectification* logged_ = nullptr;
 
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<InputPair> waiting_;
-  Demand demand_;
-  Settings settings_;
-  bool stopping_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  std::optional<SourcePair> waiting_ FPGA_STEREO_GUARDED_BY(mutex_);
+  Demand demand_ FPGA_STEREO_GUARDED_BY(mutex_);
+  Settings settings_ FPGA_STEREO_GUARDED_BY(mutex_);
+  bool is_stopping_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
 
-  std::thread thread_;
+  std::thread thread_;  // last: it uses all of the above
 };
 
 }  // namespace fpga_stereo

@@ -1,31 +1,30 @@
 #include "ros/stamp_gate.hpp"
 
-#include <iomanip>
-#include <sstream>
+#include <fmt/format.h>
 
 namespace fpga_stereo {
 
-std::optional<std::string> StampGate::check(const ros::Time& stamp) {
+Result<std::uint64_t> StampGate::accept(const ros::Time& stamp) {
+  const MutexLock lock(mutex_);
   if (stamp.isZero()) {
-    return "its stamp is 0: the camera driver must set it (with use_sim_time somebody must "
-           "publish /clock)";
+    return Error{ErrorKind::kInvalid,
+                 "its stamp is 0; the camera driver must set it (with use_sim_time, a node must "
+                 "publish /clock)"};
   }
-  if (stamp > passed_) {
-    passed_ = stamp;
-    refused_in_order_ = 0;
-    return std::nullopt;
+  if (stamp <= last_accepted_) {
+    const bool rises = rising_refusals_ > 0 && stamp > last_refused_;
+    rising_refusals_ = rises ? rising_refusals_ + 1 : 1;
+    last_refused_ = stamp;
+    if (rising_refusals_ < kRestartAfter) {
+      return Error{ErrorKind::kInvalid,
+                   fmt::format("its stamp {:.3f} is not later than {:.3f}, the stamp of the "
+                               "previous pair",
+                               stamp.toSec(), last_accepted_.toSec())};
+    }
   }
-  refused_in_order_ = refused_in_order_ > 0 && stamp > refused_ ? refused_in_order_ + 1 : 1;
-  refused_ = stamp;
-  if (refused_in_order_ >= kRestartAfter) {
-    passed_ = stamp;
-    refused_in_order_ = 0;
-    return std::nullopt;
-  }
-  std::ostringstream why;
-  why << std::fixed << std::setprecision(3) << "its stamp " << stamp.toSec()
-      << " is not later than that of the frame before, " << passed_.toSec();
-  return why.str();
+  last_accepted_ = stamp;
+  rising_refusals_ = 0;
+  return ++count_;
 }
 
 }  // namespace fpga_stereo

@@ -1,27 +1,32 @@
-// Lets frames through in the order of their stamps.
+// Checks the stamps of incoming pairs.
 #pragma once
 
 #include <ros/time.h>
 
-#include <optional>
-#include <string>
+#include <cstdint>
+
+#include "core/thread_safety.hpp"
+#include "fpga_stereo/core/result.hpp"
 
 namespace fpga_stereo {
 
-/// A frame that is not later than the one before is late or doubled and is refused. A source that
-/// starts over (a bag played again) sends several in a row that are in order among themselves: then
-/// time has moved back, and the gate opens for them.
+/// Accepts pairs whose stamps rise; a pair that is not later than the last accepted one is late or
+/// a duplicate. If a source starts over (a bag played again), several late pairs in a row rise
+/// among themselves: the gate then follows the new time. Thread-safe.
 class StampGate {
  public:
-  static constexpr int kRestartAfter = 3;  // frames in order among themselves
+  static constexpr int kRestartAfter = 3;  // rising late stamps that mean a new start
 
-  /// Why the frame is refused, or nothing where it may pass.
-  std::optional<std::string> check(const ros::Time& stamp);
+  /// Returns the number of the accepted pair: it rises from pair to pair, even if time starts over.
+  /// Refuses late pairs and stamps of 0.
+  Result<std::uint64_t> accept(const ros::Time& stamp) FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
-  ros::Time passed_;   // the last stamp let through
-  ros::Time refused_;  // the last stamp refused
-  int refused_in_order_ = 0;
+  Mutex mutex_;
+  ros::Time last_accepted_ FPGA_STEREO_GUARDED_BY(mutex_);
+  ros::Time last_refused_ FPGA_STEREO_GUARDED_BY(mutex_);
+  int rising_refusals_ FPGA_STEREO_GUARDED_BY(mutex_) = 0;
+  std::uint64_t count_ FPGA_STEREO_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace fpga_stereo

@@ -1,4 +1,4 @@
-// The node: the nodelet in a process of its own.
+// The nodelet as a node: loads it into a process of its own.
 #include <nodelet/loader.h>
 #include <ros/ros.h>
 
@@ -12,10 +12,11 @@ int main(int argc, char** argv) {
   }
   if (ros::this_node::getNamespace() == "/") {
     ROS_WARN(
-        "Started in the global namespace, this is probably wrong. Start the node in the namespace "
-        "of the stereo pair: ROS_NAMESPACE=my_stereo rosrun fpga_stereo stereo");
+        "The node runs in the global namespace, which is probably wrong. Start it in the namespace "
+        "of "
+        "the stereo pair: ROS_NAMESPACE=my_stereo rosrun fpga_stereo stereo");
   }
-  nodelet::Loader loader(false);  // no services of a manager
+  nodelet::Loader loader(false);  // without a manager's services
   const nodelet::M_string& remappings = ros::names::getRemappings();
   const nodelet::V_string arguments(argv + 1, argv + argc);
   if (!loader.load(ros::this_node::getName(), "fpga_stereo/stereo", remappings, arguments)) {

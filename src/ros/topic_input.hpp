@@ -1,4 +1,4 @@
-// Raw image pairs from topics: subscribed on demand, paired by stamp.
+// Receives raw pairs from topics: subscribes on demand, pairs by stamp, decodes.
 #pragma once
 
 #include <image_transport/subscriber_filter.h>
@@ -13,33 +13,37 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
+#include "core/thread_safety.hpp"
+#include "ros/demand.hpp"
 #include "ros/health.hpp"
 #include "ros/settings.hpp"
+#include "ros/source_pair.hpp"
+#include "ros/stamp_gate.hpp"
 
 namespace fpga_stereo {
 
-/// One image pair with the calibration that belongs to it.
-struct InputPair {
-  sensor_msgs::ImageConstPtr left, right;
-  sensor_msgs::CameraInfoConstPtr left_info, right_info;
-};
-
-/// Subscribes left|right/image_raw and left|right/camera_info. Runs in one callback queue.
+/// Subscribes to left|right/image_raw and left|right/camera_info. All messages arrive in one
+/// callback queue, one at a time. The other functions may be called from any thread, but only one
+/// of them at a time. The lock is not held while a pair is decoded or handed on.
 class TopicInput {
  public:
-  using Callback = std::function<void(const InputPair&)>;
+  using Callback = std::function<void(const SourcePair&)>;
 
+  /// Hands pairs to `callback`. `health` and `gate` must outlive the input.
   TopicInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
-             const SyncSettings& settings, Health& health, Callback callback);
+             const SyncSettings& settings, Health& health, StampGate& gate, Callback callback);
 
-  void start();
-  void stop();
-  /// What is missing on the topics, in words; empty where pairs arrive.
-  std::string complaint() const;
+  /// Subscribes. Does nothing if it is subscribed already.
+  void start() FPGA_STEREO_EXCLUDES(mutex_);
+  void stop() FPGA_STEREO_EXCLUDES(mutex_);
+  /// Sets which images the next pair needs in colour.
+  void set_demand(const Demand& demand) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Says what is missing on the topics if no pair has come for 3 s; nullopt while pairs come.
+  std::optional<StateReport> trouble() const FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
   enum Topic { kLeftImage, kLeftInfo, kRightImage, kRightInfo, kTopics };
@@ -48,22 +52,28 @@ class TopicInput {
   using Exact = message_filters::sync_policies::ExactTime<Image, Info, Image, Info>;
   using Approximate = message_filters::sync_policies::ApproximateTime<Image, Info, Image, Info>;
 
-  /// What arrived on one topic since start().
+  /// The latest message of one topic since start().
   struct Arrival {
-    ros::WallTime when;  // zero: nothing yet
+    ros::WallTime when;  // zero: none yet
     ros::Time stamp;
   };
 
-  void arrived(Topic topic, const ros::Time& stamp);
-  void paired(const sensor_msgs::ImageConstPtr& left,
-              const sensor_msgs::CameraInfoConstPtr& left_info,
-              const sensor_msgs::ImageConstPtr& right,
-              const sensor_msgs::CameraInfoConstPtr& right_info);
+  void on_message(Topic topic, const ros::Time& stamp) FPGA_STEREO_EXCLUDES(mutex_);
+  void on_pair(const sensor_msgs::ImageConstPtr& left,
+               const sensor_msgs::CameraInfoConstPtr& left_info,
+               const sensor_msgs::ImageConstPtr& right,
+               const sensor_msgs::CameraInfoConstPtr& right_info) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Notes that the left image with this stamp has found its partners. Returns the demand, or
+  /// nullopt if the image is counted as dropped already.
+  std::optional<Demand> note_pair(const ros::Time& stamp) FPGA_STEREO_EXCLUDES(mutex_);
+  StateReport silent_topics(const std::string& names, bool has_images) const;
+  StateReport stamps_differ(const std::array<Arrival, kTopics>& arrivals) const;
 
   ros::NodeHandle nh_, private_nh_;
-  SyncSettings settings_;
+  const SyncSettings settings_;
   Health& health_;
-  Callback callback_;
+  StampGate& gate_;
+  const Callback callback_;
 
   image_transport::ImageTransport transport_;
   image_transport::SubscriberFilter left_image_, right_image_;
@@ -71,11 +81,13 @@ class TopicInput {
   std::unique_ptr<message_filters::Synchronizer<Exact>> exact_;
   std::unique_ptr<message_filters::Synchronizer<Approximate>> approximate_;
 
-  mutable std::mutex mutex_;  // of what complaint() reads
-  bool active_ = false;
-  ros::WallTime started_, last_pair_;
-  std::array<Arrival, kTopics> arrivals_;
-  std::set<ros::Time> waiting_;  // stamps of left images that have no pair yet
+  mutable Mutex mutex_;
+  bool is_subscribed_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
+  Demand demand_ FPGA_STEREO_GUARDED_BY(mutex_);
+  ros::WallTime started_ FPGA_STEREO_GUARDED_BY(mutex_);
+  ros::WallTime last_pair_ FPGA_STEREO_GUARDED_BY(mutex_);
+  std::array<Arrival, kTopics> arrivals_ FPGA_STEREO_GUARDED_BY(mutex_);
+  std::set<ros::Time> unpaired_ FPGA_STEREO_GUARDED_BY(mutex_);  // stamps of left images
 };
 
 }  // namespace fpga_stereo

@@ -1,24 +1,24 @@
-// Computes frames of the board again, in software: every pixel must be the same.
+// Computes some of the board's frames again in software. Every pixel must be the same.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <thread>
 
+#include "core/thread_safety.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
+#include "ros/source_pair.hpp"
 
 namespace fpga_stereo {
 
-/// One thread of its own; a frame that comes while it is busy is left out.
+/// One thread computes; a frame that is offered while it is busy is not verified. Thread-safe.
 class Verifier {
  public:
   struct Job {
-    cv::Mat1b left, right;  // raw
-    cv::Mat1w disparity;    // of the board
+    SourcePair pair;
+    cv::Mat1w disparity;  // of the board
     std::shared_ptr<const StereoRectification> rectification;
     Parameters parameters;
   };
@@ -26,23 +26,30 @@ class Verifier {
     std::uint64_t frames = 0, pixels_differ = 0;
   };
 
-  Verifier();
+  /// `interval`: verify frames whose frame_ids are this far apart or further; 0: none.
+  explicit Verifier(std::uint64_t interval);
   ~Verifier();
   Verifier(const Verifier&) = delete;
   Verifier& operator=(const Verifier&) = delete;
 
-  void offer(Job job);
-  Counters counters() const;
+  /// Verifies the frame if it is due. Shares the pixels of the job.
+  void offer(std::uint64_t frame_id, const Job& job) FPGA_STEREO_EXCLUDES(mutex_);
+  Counters counters() const FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
-  void run();
+  void run() FPGA_STEREO_EXCLUDES(mutex_);
+  /// Blocks until a job waits; returns nullopt when the verifier is being destroyed.
+  std::optional<Job> wait_for_job() FPGA_STEREO_EXCLUDES(mutex_);
 
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<Job> waiting_;
-  Counters counters_;
-  bool stopping_ = false;
-  std::thread thread_;
+  const std::uint64_t interval_;
+  mutable Mutex mutex_;
+  ConditionVariable wake_;
+  std::optional<std::uint64_t> last_offered_ FPGA_STEREO_GUARDED_BY(mutex_);  // frame_id
+  std::optional<Job> waiting_ FPGA_STEREO_GUARDED_BY(mutex_);
+  Counters counters_ FPGA_STEREO_GUARDED_BY(mutex_);
+  bool is_stopping_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
+
+  std::thread thread_;  // last: it uses all of the above
 };
 
 }  // namespace fpga_stereo

@@ -1,4 +1,4 @@
-// approximate_sync: images whose stamps differ a little are pairs, others are not.
+// approximate_sync pairs images whose stamps differ by no more than the tolerance.
 #include <gtest/gtest.h>
 #include <stereo_msgs/DisparityImage.h>
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kFrames = 10;
 
-/// Publishes frames `period` apart, the right ones `offset` later; their left stamps.
+/// Publishes pairs every `period` s with the right image `offset` s later. Returns the left stamps.
 std::vector<ros::Time> publish(Rig& rig, double period, double offset) {
   std::vector<ros::Time> stamps;
   PairMessages pair = synthetic_pair({160, 120}, 12);
@@ -31,14 +31,14 @@ TEST(Approximate, PairsWithinTheToleranceHaveTheStampOfTheLeftImage) {
   Listener<sensor_msgs::Image> right(rig.nh(), "right/image_rect");
   ASSERT_TRUE(rig.node_listens());
   const auto stamps = publish(rig, 0.2, 0.01);
-  // The synchronizer waits for the next messages before it decides: the last ones stay.
+  // The synchronizer decides when the next messages arrive, so the last pairs stay in its queue.
   for (int i = 0; i < kFrames - 2; ++i) {
     EXPECT_TRUE(disparity.with_stamp(stamps[i])) << i;
     EXPECT_TRUE(right.with_stamp(stamps[i])) << i;
   }
 }
 
-TEST(Approximate, PairsBeyondTheToleranceAreNone) {
+TEST(Approximate, ImagesBeyondTheToleranceAreNotPaired) {
   Rig rig;
   Listener<stereo_msgs::DisparityImage> disparity(rig.nh(), "disparity");
   ASSERT_TRUE(rig.node_listens());
@@ -48,7 +48,8 @@ TEST(Approximate, PairsBeyondTheToleranceAreNone) {
   EXPECT_EQ(disparity.count(), 0U);
   EXPECT_EQ(after.frames_published, before.frames_published);
   EXPECT_GT(after.dropped_unsynchronized, before.dropped_unsynchronized);
-  EXPECT_NE(after.state.find("sync_tolerance is 0.1"), std::string::npos) << after.state;
+  EXPECT_EQ(after.state, StereoStatus::UNSYNCHRONISED);
+  EXPECT_NE(after.state_text.find("sync_tolerance is 0.1"), std::string::npos) << after.state_text;
 }
 
 }  // namespace

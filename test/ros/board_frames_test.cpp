@@ -1,19 +1,22 @@
-// What a board sends is checked before it is used; and what is told about a board.
+// Checks of what a board sends, the frames made from it, and the reports about a board.
 #include "ros/board_frames.hpp"
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <gtest/gtest.h>
 
+#include <boost/make_shared.hpp>
 #include <cmath>
 #include <limits>
 
 #include "ros/board_report.hpp"
+#include "ros/conversions.hpp"
 #include "ros/health.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {
 namespace {
 
+using link::PlannedConfiguration;
 using link::Stream;
 
 const cv::Size kSize(64, 48);
@@ -22,16 +25,22 @@ cv::Mat& image(link::FrameSet& set, Stream stream) {
   return set.images[static_cast<std::size_t>(stream)];
 }
 
-BoardPlan::Made made_of(const PairMessages& pair) {
-  BoardPlan::Made made;
-  made.infos = {pair.left_info, pair.right_info};
-  made.image_size = kSize;
-  Rectifier rectifier;
-  made.rectification = *rectifier(pair.left_info, pair.right_info, 0);
-  return made;
+PlannedConfiguration planned_for(const PairMessages& pair) {
+  PlannedConfiguration planned;
+  planned.calibration = {to_calibration(pair.left_info), to_calibration(pair.right_info)};
+  planned.image_size = kSize;
+  RectificationCache cache;
+  planned.rectification = *cache.get(planned.calibration, 0);
+  return planned;
 }
 
-TEST(BoardFrames, StampsThatNoTimeCanHoldAreRefused) {
+StereoFrame frame_of(const link::ReceivedFrames& received, const PlannedConfiguration& planned,
+                     const Demand& demand = {}) {
+  const SourcePair pair = camera_pair(received.set, planned, ros::Time(1, 0), "left", 1);
+  return frame_of_camera_pair(received, planned, pair, {}, demand);
+}
+
+TEST(BoardFrames, RefusesStampsThatRosCannotHold) {
   ASSERT_TRUE(to_stamp(1.5));
   EXPECT_EQ(*to_stamp(1.5), ros::Time(1, 500000000));
   for (const double bad :
@@ -39,10 +48,10 @@ TEST(BoardFrames, StampsThatNoTimeCanHoldAreRefused) {
     EXPECT_FALSE(to_stamp(bad)) << bad;
   }
   EXPECT_EQ(to_stamp(-1).error().message,
-            "frame of the board dropped: its stamp is -1.000000 s: allowed 0 to 4294967295");
+            "board frame dropped: its stamp is -1.000000 s, allowed are 0 to 4294967295 s");
 }
 
-TEST(BoardFrames, ImagesOfAnotherSizeAreRefused) {
+TEST(BoardFrames, RefusesImagesOfAnotherSize) {
   link::FrameSet set;
   EXPECT_TRUE(check_sizes(set, kSize));
   image(set, Stream::kDisparity) = cv::Mat1w(kSize);
@@ -52,65 +61,98 @@ TEST(BoardFrames, ImagesOfAnotherSizeAreRefused) {
   const Status wrong = check_sizes(set, kSize);
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().message,
-            "frame of the board dropped: its raw left image is 64x32 instead of 64x48");
+            "board frame dropped: its raw left image is 64x32 instead of 64x48");
 }
 
-TEST(BoardFrames, AShiftedRightImageIsNotPassedOn) {
-  BoardPlan::Made made = made_of(synthetic_pair(kSize, 4));
+TEST(BoardFrames, DoesNotPublishAShiftedRightImage) {
+  PlannedConfiguration planned = planned_for(synthetic_pair(kSize, 4));
   link::ReceivedFrames received;
   image(received.set, Stream::kRectifiedRight) = cv::Mat1b(kSize, 7);
-  EXPECT_FALSE(frame_of_cameras(received, made, {}, {}).right.rect.empty());
-  made.settings.pipeline.min_disparity = 8;
-  EXPECT_TRUE(frame_of_cameras(received, made, {}, {}).right.rect.empty());
+  EXPECT_FALSE(frame_of(received, planned).right.rect.empty());
+  planned.parameters.min_disparity = 8;
+  EXPECT_TRUE(frame_of(received, planned).right.rect.empty());
 }
 
-TEST(BoardFrames, WhatTheBoardDoesNotSendIsRectifiedHere) {
+TEST(BoardFrames, RectifiesRawImagesThatTheBoardDoesNotRectify) {
   const PairMessages pair = synthetic_pair(kSize, 4, true);
-  const BoardPlan::Made made = made_of(pair);
+  const PlannedConfiguration planned = planned_for(pair);
   link::ReceivedFrames received;
   image(received.set, Stream::kRawLeft) = cv::Mat1b(kSize, 100);
   Demand demand;
   demand.left.rect = true;
-  const StereoFrame frame = frame_of_cameras(received, made, demand, {});
+  const StereoFrame frame = frame_of(received, planned, demand);
   cv::Mat expected;
-  rectify_image(cv::Mat1b(kSize, 100), made.rectification->left.mesh, 1, expected);
+  rectify_image(cv::Mat1b(kSize, 100), planned.rectification->left.mesh, 1, expected);
   ASSERT_EQ(frame.left.rect.size(), kSize);
   EXPECT_EQ(cv::norm(frame.left.rect, expected, cv::NORM_L1), 0);
   EXPECT_TRUE(frame.disparity.empty());
 }
 
-TEST(BoardFrames, PairsThatLackSomethingAreRefusedByName) {
-  const PairMessages pair = synthetic_pair(kSize, 4);
-  BoardPlan::Made made = made_of(pair);
-  link::ReceivedFrames received;
-  const InputPair sent{boost::make_shared<sensor_msgs::Image>(pair.left),
-                       boost::make_shared<sensor_msgs::Image>(pair.right),
-                       boost::make_shared<sensor_msgs::CameraInfo>(pair.left_info),
-                       boost::make_shared<sensor_msgs::CameraInfo>(pair.right_info)};
-  EXPECT_EQ(frame_of_pair(received, made, sent, {}).error().message,
-            "frame of the board dropped: it has no disparity");
-  EXPECT_EQ(raw_pair(received.set, made, {}).error().message,
-            "frame of the board dropped: it has no raw pair");
-  received.set.dropped = {"disparity frame 3 dropped: it did not end"};
-  EXPECT_EQ(frame_of_pair(received, made, sent, {}).error().message, received.set.dropped[0]);
-  image(received.set, Stream::kDisparity) = cv::Mat1w(kSize, 5);
-  EXPECT_TRUE(frame_of_pair(received, made, sent, {}));
-  made.infos.left.K[0] += 1;
-  EXPECT_EQ(frame_of_pair(received, made, sent, {}).error().message,
-            "frame of the board dropped: the calibration changed under way");
+TEST(BoardFrames, ACameraPairSharesTheImagesOfTheSet) {
+  const PlannedConfiguration planned = planned_for(synthetic_pair(kSize, 4, true));
+  link::FrameSet set;
+  image(set, Stream::kRawLeft) = cv::Mat1b(kSize, 100);
+  const SourcePair pair = camera_pair(set, planned, ros::Time(7, 8), "left", 3);
+  EXPECT_EQ(pair.raw.left.data, image(set, Stream::kRawLeft).data);
+  EXPECT_TRUE(pair.raw.right.empty());
+  EXPECT_EQ(pair.raw.calibration, planned.calibration);
+  EXPECT_EQ(pair.left_header().stamp, ros::Time(7, 8));
+  EXPECT_EQ(pair.left_info->header.frame_id, "left");
+  EXPECT_EQ(pair.number, 3U);
 }
 
-TEST(BoardReport, NoBoardIsNoTroubleWhereNoneIsExpected) {
+TEST(BoardFrames, NamesWhatAFrameLacks) {
+  const PairMessages messages = synthetic_pair(kSize, 4);
+  PlannedConfiguration planned = planned_for(messages);
+  link::ReceivedFrames received;
+  const auto sent =
+      decode_pair(boost::make_shared<sensor_msgs::Image>(messages.left),
+                  boost::make_shared<sensor_msgs::CameraInfo>(messages.left_info),
+                  boost::make_shared<sensor_msgs::Image>(messages.right),
+                  boost::make_shared<sensor_msgs::CameraInfo>(messages.right_info), {});
+  ASSERT_TRUE(sent);
+  const auto frame = [&] { return frame_of_host_pair(received, planned, *sent, {}, {}); };
+  EXPECT_EQ(frame().error().message, "board frame dropped: it has no disparity");
+  EXPECT_EQ(check_raw_images(received.set).error().message,
+            "board frame dropped: it has no raw left image");
+  received.set.dropped = {"disparity frame 3 dropped: it did not end"};
+  EXPECT_EQ(frame().error().message, received.set.dropped[0]);
+  image(received.set, Stream::kDisparity) = cv::Mat1w(kSize, 5);
+  EXPECT_TRUE(frame());
+  planned.calibration.left.K[0] += 1;
+  EXPECT_EQ(frame().error().message,
+            "board frame dropped: the calibration changed while it was in flight");
+}
+
+TEST(BoardReport, AMissingBoardIsATroubleOnlyIfItIsExpected) {
   using Level = diagnostic_msgs::DiagnosticStatus;
-  link::Device::Snapshot none;
-  none.complaint = "no USB board (FT232H, 0403:6014): none is there";
-  diagnostic_updater::DiagnosticStatusWrapper report;
-  report_board(none, {}, "", false, report);
-  EXPECT_EQ(report.level, Level::OK);
-  EXPECT_EQ(report.message, "no board; software");
-  report_board(none, {}, "", true, report);
-  EXPECT_EQ(report.level, Level::WARN);
-  EXPECT_EQ(report.message, none.complaint);
+  BoardReport board;
+  board.device.trouble = link::LinkTrouble::kNoDevice;
+  board.device.trouble_text = "no USB board (FT232H, 0403:6014) found";
+  board.is_expected = false;
+  diagnostic_updater::DiagnosticStatusWrapper diagnostics;
+  fill_diagnostics(board, diagnostics);
+  EXPECT_EQ(diagnostics.level, Level::OK);
+  EXPECT_EQ(diagnostics.message, "no board; the software makes the disparity");
+  board.is_expected = true;
+  fill_diagnostics(board, diagnostics);
+  EXPECT_EQ(diagnostics.level, Level::WARN);
+  EXPECT_EQ(diagnostics.message, "board: " + board.device.trouble_text);
+}
+
+TEST(Health, ARefusalHoldsUntilAFrameIsPublished) {
+  Health health;
+  EXPECT_FALSE(health.refusal());
+  health.refused(DropCause::kUncalibrated, "left camera is uncalibrated");
+  ASSERT_TRUE(health.refusal());
+  EXPECT_EQ(health.refusal()->state, NodeState::kUncalibrated);
+  health.refused(DropCause::kLink, {NodeState::kNoBoard, "no board"});
+  EXPECT_EQ(health.refusal()->state, NodeState::kNoBoard);
+  health.published({}, 1, 1);
+  EXPECT_FALSE(health.refusal());
+  const StereoStatus status = health.report(false);
+  EXPECT_EQ(status.dropped_uncalibrated, 1U);
+  EXPECT_EQ(status.dropped_link, 1U);
 }
 
 TEST(Health, PercentilesAreNearestRanks) {

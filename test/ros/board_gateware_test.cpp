@@ -1,6 +1,5 @@
-// The running node, a line, and the simulated gateware with its link at the other end: the
-// disparity is that of the software, pixel for pixel. Over a serial line of its own, or over USB,
-// where the launch file has put a board there.
+// The running node and the simulated gateware behind a link: the disparity equals the software's,
+// pixel for pixel. The link is a pseudo terminal, or USB if the launch file has put a board there.
 #include <gtest/gtest.h>
 #include <stereo_msgs/DisparityImage.h>
 
@@ -35,7 +34,7 @@ TEST(BoardGateware, MakesTheDisparityOfTheSoftware) {
   Parameters parameters;
   parameters.disparity_range = 16;
   parameters.speckle_size = 20;
-  // The first pair brings its calibration; pairs before the board has it are refused.
+  // The first pair brings the calibration; pairs are refused until the board has it.
   ASSERT_TRUE(eventually(
       [&] {
         rig.publish(synthetic_pair(size, 3, true));
@@ -46,20 +45,20 @@ TEST(BoardGateware, MakesTheDisparityOfTheSoftware) {
   for (int i = 0; i < 8; ++i) {
     const PairMessages pair = synthetic_pair(size, i + 2, true);
     const auto message = disparity.with_stamp(rig.publish(pair));
-    ASSERT_TRUE(message) << rig.status().state;
+    ASSERT_TRUE(message) << rig.status().state_text;
     const cv::Mat1w expected = core_disparity(pair, parameters);
-    int different = 0, there = 0;
+    int different = 0, valid = 0;
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         float value = 0;
         std::memcpy(&value, &message->image.data[y * message->image.step + x * 4], sizeof value);
         const bool none = expected(y, x) == kNoDisparity;
         if (value != (none ? -1.0F : static_cast<float>(expected(y, x) / 32.0))) ++different;
-        there += none ? 0 : 1;
+        valid += none ? 0 : 1;
       }
     }
     EXPECT_EQ(different, 0);
-    EXPECT_GT(there, 500);
+    EXPECT_GT(valid, 500);
   }
   const StereoStatus s =
       rig.status_when([](const StereoStatus& status) { return status.verified_frames >= 8; });

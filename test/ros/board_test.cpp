@@ -1,4 +1,4 @@
-// The running node with a board that has cameras of its own, behind a serial line.
+// The running node with a board that has cameras, behind a serial link.
 #include <gtest/gtest.h>
 #include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/SetCameraInfo.h>
@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <cstring>
+#include <optional>
 
 #include "ros/pty_board.hpp"
 #include "ros/rig.hpp"
@@ -26,8 +27,8 @@ cv::Mat1b grey(const Image& message) {
       .clone();
 }
 
-/// Whether the message has the disparity that core computes for the pair.
-bool is_true(const DisparityImage& message, const cv::Mat1w& expected) {
+/// Returns true if the message has the disparity that core computes for the pair.
+bool equals(const DisparityImage& message, const cv::Mat1w& expected) {
   for (int y = 0; y < expected.rows; ++y) {
     for (int x = 0; x < expected.cols; ++x) {
       float value = 0;
@@ -54,18 +55,19 @@ class Board : public testing::Test {
   }
   void TearDown() override {
     board_.reset();
-    status_when("none: ");  // the next test has a board of its own
+    status_when(StereoStatus::LINK_CLOSED);  // the next test plugs in its own board
   }
 
   void plug_in(const sim::SoftwareBoard::Options& options = {}) {
     board_ = std::make_unique<PtyBoard>(line(), options);
     board_->watch({grey(pair_.left), grey(pair_.right)});
   }
-  StereoStatus status_when(const std::string& board, const std::string& source = "",
-                           const std::string& state = "") {
+  /// Waits for a status with this link state, source and state.
+  StereoStatus status_when(std::optional<std::uint8_t> link_state, const std::string& source = "",
+                           std::optional<std::uint8_t> state = std::nullopt) {
     return rig_.status_when([&](const StereoStatus& s) {
-      return s.board.find(board) != std::string::npos &&
-             s.source.find(source) != std::string::npos && s.state.find(state) != std::string::npos;
+      return (!link_state || s.link_state == *link_state) &&
+             s.source.find(source) != std::string::npos && (!state || s.state == *state);
     });
   }
   bool calibrate(const std::string& side, const CameraInfo& info) {
@@ -79,11 +81,11 @@ class Board : public testing::Test {
     ASSERT_TRUE(calibrate("left", pair_.left_info));
     ASSERT_TRUE(calibrate("right", pair_.right_info));
   }
-  bool true_disparity(int more = 3) {
+  bool disparity_is_right(int more = 3) {
     const cv::Mat1w expected = core_disparity(pair_, Parameters{});
     const std::size_t before = disparity_.count();
     if (!eventually([&] { return disparity_.count() >= before + more; })) return false;
-    return is_true(*disparity_.last(), expected);
+    return equals(*disparity_.last(), expected);
   }
 
   PairMessages pair_ = synthetic_pair(kSize, 12, true);
@@ -92,7 +94,7 @@ class Board : public testing::Test {
   std::unique_ptr<PtyBoard> board_;
 };
 
-// First: nothing is calibrated yet.
+// This test runs first, while nothing is calibrated.
 TEST_F(Board, IsCalibratedWithoutARestart) {
   plug_in();
   Listener<Image> left(rig_.nh(), "left/image_raw"), right(rig_.nh(), "right/image_raw");
@@ -102,51 +104,53 @@ TEST_F(Board, IsCalibratedWithoutARestart) {
   EXPECT_EQ(cv::norm(grey(*left.last()), grey(pair_.left), cv::NORM_L1), 0);
   ASSERT_TRUE(eventually([&] { return info.count() > 0; }));
   EXPECT_EQ(info.last()->K[0], 0) << "uncalibrated";
-  EXPECT_NE(status_when("", "software", "uncalibrated").state.find("uncalibrated"),
-            std::string::npos);
+  EXPECT_EQ(status_when(std::nullopt, "software", StereoStatus::UNCALIBRATED).state,
+            StereoStatus::UNCALIBRATED);
   EXPECT_EQ(disparity_.count(), 0U);
 
   ASSERT_TRUE(calibrate("left", pair_.left_info));
-  ASSERT_TRUE(always([&] { return disparity_.count() == 0; }, 2)) << "the right one is missing";
+  ASSERT_TRUE(always([&] { return disparity_.count() == 0; }, 2))
+      << "the right camera is not calibrated yet";
   ASSERT_TRUE(calibrate("right", pair_.right_info));
-  ASSERT_TRUE(true_disparity());
-  EXPECT_EQ(status_when("streaming", "board", "streaming").source, "board");
+  ASSERT_TRUE(disparity_is_right());
+  EXPECT_EQ(status_when(StereoStatus::LINK_STREAMING, "board", StereoStatus::STREAMING).source,
+            "board");
   const auto last = disparity_.last();
   EXPECT_EQ(last->header.frame_id, "stereo_left_optical_frame");
   EXPECT_NEAR((ros::Time::now() - last->header.stamp).toSec(), 0, 1);
-  // Everything of a frame has one stamp.
+  // All messages of a frame have one stamp.
   ASSERT_TRUE(left.with_stamp(disparity_.last()->header.stamp));
   ASSERT_TRUE(info.with_stamp(disparity_.last()->header.stamp));
   EXPECT_EQ(info.last()->K[0], pair_.left_info.K[0]);
 
-  // A calibration that is not whole leaves the old one in place.
+  // The old calibration holds until both cameras agree on the new one.
   PairMessages moved = pair_;
   moved.left_info.P[0] *= 1.1;
   moved.left_info.P[5] *= 1.1;
   ASSERT_TRUE(calibrate("left", moved.left_info));
-  ASSERT_TRUE(true_disparity(30));
+  ASSERT_TRUE(disparity_is_right(30));
   ASSERT_TRUE(calibrate("left", pair_.left_info));
 }
 
-TEST_F(Board, KeepsItsCalibrationAndComesBack) {
+TEST_F(Board, KeepsItsCalibrationWhenReplugged) {
   plug_in();
-  ASSERT_TRUE(true_disparity()) << "calibrated by the file";
+  ASSERT_TRUE(disparity_is_right()) << "calibrated from the file";
   for (int i = 0; i < 3; ++i) {
     board_->plug(false);
-    const StereoStatus gone = status_when("none: ", "software");
+    const StereoStatus gone = status_when(StereoStatus::LINK_CLOSED, "software");
     EXPECT_EQ(gone.board.rfind("none: ", 0), 0U) << gone.board;
     board_->plug(true);
-    ASSERT_TRUE(true_disparity());
+    ASSERT_TRUE(disparity_is_right());
   }
-  EXPECT_EQ(status_when("streaming", "board").source, "board");
+  EXPECT_EQ(status_when(StereoStatus::LINK_STREAMING, "board").source, "board");
 }
 
 TEST_F(Board, ReportsVerification) {
   plug_in();
-  // One frame in two, also where raw images come of all of them.
+  // Every second frame, even if all frames have raw images.
   Listener<Image> left(rig_.nh(), "left/image_raw");
   ASSERT_TRUE(eventually([&] { return left.count() > 0; }));
-  ASSERT_TRUE(true_disparity());
+  ASSERT_TRUE(disparity_is_right());
   const StereoStatus before = rig_.status();
   const StereoStatus s = rig_.status_when(
       [&](const StereoStatus& r) { return r.verified_frames > before.verified_frames + 10; });
@@ -156,37 +160,37 @@ TEST_F(Board, ReportsVerification) {
   EXPECT_EQ(s.verified_pixels_differ, 0U);
   board_.reset();
 
-  sim::SoftwareBoard::Options lies;
-  lies.wrong_pixels = 5;
-  plug_in(lies);
+  sim::SoftwareBoard::Options wrong;
+  wrong.wrong_pixels = 5;
+  plug_in(wrong);
   const StereoStatus found =
       rig_.status_when([](const StereoStatus& r) { return r.verified_pixels_differ > 0; });
   EXPECT_GT(found.verified_pixels_differ, 0U);
   EXPECT_EQ(found.verified_pixels_differ % 5, 0U);
 }
 
-TEST_F(Board, LeavesToTheSoftwareWhatItCannotDo) {
+TEST_F(Board, FallsBackToTheSoftwareForUnsupportedSettings) {
   plug_in();
-  ASSERT_TRUE(true_disparity());
+  ASSERT_TRUE(disparity_is_right());
   rig_.reconfigure("disparity_range", "32");
-  const StereoStatus s = status_when("", "software", "streaming");
+  const StereoStatus s = status_when(std::nullopt, "software", StereoStatus::STREAMING);
   EXPECT_EQ(s.source, "software");
   Parameters parameters;
   parameters.disparity_range = 32;
   const cv::Mat1w expected = core_disparity(pair_, parameters);
-  EXPECT_TRUE(eventually([&] { return is_true(*disparity_.last(), expected); }));
+  EXPECT_TRUE(eventually([&] { return equals(*disparity_.last(), expected); }));
   rig_.reconfigure("disparity_range", "64");
-  EXPECT_EQ(status_when("", "board", "streaming").source, "board");
-  EXPECT_TRUE(true_disparity(30));
+  EXPECT_EQ(status_when(std::nullopt, "board", StereoStatus::STREAMING).source, "board");
+  EXPECT_TRUE(disparity_is_right(30));
 }
 
-TEST_F(Board, OfAnotherSpecificationIsRefusedByName) {
+TEST_F(Board, IsRefusedIfItsSpecificationDiffers) {
   sim::SoftwareBoard::Options options;
   options.wrong = {{spec::kRegSpecHash, 0xDEADBEEF}};
   Listener<rosgraph_msgs::Log> log(rig_.nh(), "/rosout");
   ASSERT_TRUE(eventually([&] { return log.count() > 0; }));
   plug_in(options);
-  const StereoStatus s = status_when("refused", "software");
+  const StereoStatus s = status_when(StereoStatus::LINK_REFUSED, "software");
   EXPECT_EQ(s.source, "software");
   std_srvs::Trigger info;
   ASSERT_TRUE(ros::service::call(rig_.nh().resolveName("fpga_stereo/device_info"), info));
@@ -197,12 +201,12 @@ TEST_F(Board, OfAnotherSpecificationIsRefusedByName) {
   EXPECT_TRUE(log.any([](const rosgraph_msgs::Log& line) {
     return line.level == rosgraph_msgs::Log::ERROR &&
            line.msg.find("specification 0xDEADBEEF") != std::string::npos;
-  })) << "no error, though it was plugged in later";
+  })) << "an error is logged also for a board that is plugged in later";
 }
 
-TEST_F(Board, IsResetAndTellsAboutItself) {
+TEST_F(Board, ServicesResetAndDescribeIt) {
   plug_in();
-  ASSERT_TRUE(true_disparity());
+  ASSERT_TRUE(disparity_is_right());
   const StereoStatus before = rig_.status();
   std_srvs::Trigger call;
   ASSERT_TRUE(ros::service::call(rig_.nh().resolveName("fpga_stereo/reset"), call));
@@ -210,20 +214,20 @@ TEST_F(Board, IsResetAndTellsAboutItself) {
   const StereoStatus after =
       rig_.status_when([&](const StereoStatus& s) { return s.board_opened > before.board_opened; });
   EXPECT_EQ(after.board_opened, before.board_opened + 1);
-  ASSERT_TRUE(true_disparity());
+  ASSERT_TRUE(disparity_is_right());
   ASSERT_TRUE(ros::service::call(rig_.nh().resolveName("fpga_stereo/device_info"), call));
   EXPECT_TRUE(call.response.success);
   EXPECT_NE(call.response.message.find("640 px wide, 64 disparities"), std::string::npos);
 }
 
-TEST(BoardIdle, SendsNothingThatNobodyListensToAndLosesNothing) {
+TEST(BoardIdle, SendsOnlyStreamsInDemandAndLosesNothing) {
   std::string line;
   ros::param::get("~line", line);
   PtyBoard board(line, sim::SoftwareBoard::Options{});
   const PairMessages pair = synthetic_pair(kSize, 12, true);
   board.watch({grey(pair.left), grey(pair.right)});
   Rig rig;
-  rig.status_when([](const StereoStatus& s) { return s.board.rfind("ready", 0) == 0; });
+  rig.status_when([](const StereoStatus& s) { return s.link_state == StereoStatus::LINK_READY; });
   EXPECT_EQ(board.peek(spec::kRegStreams), 0U);
   const StereoStatus before = rig.status();
   {
@@ -232,16 +236,16 @@ TEST(BoardIdle, SendsNothingThatNobodyListensToAndLosesNothing) {
     EXPECT_EQ(board.peek(spec::kRegStreams), spec::kStreamsRectifiedLeft.mask());
   }
   EXPECT_TRUE(eventually([&] { return board.peek(spec::kRegStreams) == 0; }));
-  std::this_thread::sleep_for(std::chrono::seconds(1));  // its frames are numbered on
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // the board numbers its frames on
   Listener<Image> raw(rig.nh(), "left/image_raw");
   const StereoStatus again = rig.status_when([](const StereoStatus& s) { return s.rate > 10; });
-  EXPECT_GT(again.latency_ms, 0) << "raw images are published frames, too";
+  EXPECT_GT(again.latency_ms, 0) << "raw images count as published frames";
   EXPECT_LT(again.latency_ms, 1000);
   EXPECT_GT(again.board_latency_p50_ms, 0);
-  EXPECT_EQ(again.dropped_link, before.dropped_link) << "what nobody wanted is not lost";
+  EXPECT_EQ(again.dropped_link, before.dropped_link) << "frames without subscribers are not lost";
 }
 
-TEST(BoardIdle, GoesOnWithoutStreamsThatTheBuildLacks) {
+TEST(BoardIdle, WorksWithoutStreamsThatTheBuildLacks) {
   std::string line;
   ros::param::get("~line", line);
   sim::SoftwareBoard::Options options;
@@ -253,7 +257,7 @@ TEST(BoardIdle, GoesOnWithoutStreamsThatTheBuildLacks) {
   Listener<Image> rect(rig.nh(), "left/image_rect"), right(rig.nh(), "right/image_raw");
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   EXPECT_TRUE(eventually([&] { return rect.count() > 2 && disparity.count() > 2; }));
-  EXPECT_EQ(right.count(), 0U) << "it has none, and goes on";
+  EXPECT_EQ(right.count(), 0U) << "the build does not send it";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The same topics through the software and through a board: the same messages, byte for byte.
+// The same topics through the software and through a board give the same messages, byte for byte.
 #include <gtest/gtest.h>
 #include <ros/serialization.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -18,7 +18,7 @@ using stereo_msgs::DisparityImage;
 
 const cv::Size kSize(160, 120);
 
-/// As it goes over the wire, but for the numbers that publishers count.
+/// Returns the serialised message without the sequence numbers that publishers count.
 std::vector<std::uint8_t> bytes(Image message) {
   message.header.seq = 0;
   const auto all = ros::serialization::serializeMessage(message);
@@ -36,15 +36,12 @@ std::vector<std::uint8_t> bytes(Message message) {
   return {all.buf.get(), all.buf.get() + all.num_bytes};
 }
 
-/// One topic of both nodes.
+/// Listens to one topic of both nodes.
 template <class Message>
 class Both {
  public:
   explicit Both(const std::string& topic)
-      : topic_(topic), software_(stereo_, topic), board_(of_board_, topic) {}
-
-  /// Both nodes' messages come here.
-  bool connected() const { return software_.count() > 0 && board_.count() > 0; }
+      : topic_(topic), software_(software_nh_, topic), board_(board_nh_, topic) {}
 
   void expect_same(const ros::Time& stamp) {
     const auto software = software_.with_stamp(stamp, 3);
@@ -55,7 +52,7 @@ class Both {
   }
 
  private:
-  ros::NodeHandle stereo_{"stereo"}, of_board_{"board"};
+  ros::NodeHandle software_nh_{"stereo"}, board_nh_{"board"};
   std::string topic_;
   Listener<Message> software_, board_;
 };
@@ -74,9 +71,9 @@ class BoardTopics : public testing::Test {
   }
   bool reports_a_board() {
     return eventually(
-        [&] { return status_.last() && status_.last()->board.rfind("none", 0) != 0; });
+        [&] { return status_.last() && status_.last()->link_state != StereoStatus::LINK_CLOSED; });
   }
-  /// Publishes until the board, and not the software any more, has made a frame.
+  /// Publishes pairs until the board has made a frame.
   bool board_computes() {
     const std::uint32_t before = board_.peek(spec::kRegFramesOut);
     return eventually([&] {
@@ -93,7 +90,7 @@ class BoardTopics : public testing::Test {
   Listener<StereoStatus> status_{board_nh_, "fpga_stereo/status"};
 };
 
-TEST_F(BoardTopics, EveryMessageIsThatOfTheSoftware) {
+TEST_F(BoardTopics, EveryMessageEqualsTheSoftwares) {
   Both<DisparityImage> disparity("disparity");
   Both<PointCloud2> cloud("points2");
   Both<Image> depth("depth"), picture("disparity_color");
@@ -104,9 +101,9 @@ TEST_F(BoardTopics, EveryMessageIsThatOfTheSoftware) {
   ASSERT_TRUE(rig_.node_listens());
   ASSERT_TRUE(reports_a_board());
 
-  // Another calibration comes with the pair; the software computes until the board has it.
+  // The pair brings a calibration; the software computes until the board has it.
   ASSERT_TRUE(board_computes());
-  // Until nothing of that is under way.
+  // Until no pair is in flight.
   std::this_thread::sleep_for(std::chrono::seconds(2));
   const auto lost = [&] { return status_.last()->frames_in - status_.last()->frames_published; };
   const std::uint64_t lost_before = lost();
@@ -137,7 +134,7 @@ TEST_F(BoardTopics, EveryMessageIsThatOfTheSoftware) {
   EXPECT_EQ(board_.peek(spec::kRegBadPackets), 0U);
   EXPECT_EQ(board_.peek(spec::kRegLostPackets), 0U);
 
-  // Unplugged in the middle: the software goes on, nothing is lost.
+  // While the board is unplugged, the software computes; nothing is lost.
   board_.plug(false);
   for (int i = 0; i < 5; ++i) disparity.expect_same(rig_.publish(pair_));
   board_.plug(true);
@@ -145,7 +142,7 @@ TEST_F(BoardTopics, EveryMessageIsThatOfTheSoftware) {
   disparity.expect_same(rig_.publish(pair_));
 }
 
-TEST_F(BoardTopics, ASlowBoardIsNotOvertakenAndLeavesNoPairBehind) {
+TEST_F(BoardTopics, TheSoftwareDoesNotOvertakeASlowBoard) {
   Listener<DisparityImage> disparity(board_nh_, "disparity");
   ASSERT_TRUE(rig_.node_listens());
   ASSERT_TRUE(reports_a_board());
@@ -163,25 +160,25 @@ TEST_F(BoardTopics, ASlowBoardIsNotOvertakenAndLeavesNoPairBehind) {
   std::vector<ros::Time> stamps = publish(8);
   board_.hold(false);
   EXPECT_TRUE(disparity.with_stamp(stamps[0]));
-  EXPECT_FALSE(disparity.with_stamp(stamps[1], 0.1)) << "none follows before the line has taken it";
+  EXPECT_FALSE(disparity.with_stamp(stamps[1], 0.1)) << "the link has not taken the first pair yet";
   const StereoStatus after = status();
   EXPECT_EQ(after.dropped_replaced, before.dropped_replaced + 7);
   EXPECT_EQ(after.dropped_stamp, before.dropped_stamp);
   EXPECT_EQ(after.frames_published, before.frames_published + 1);
 
-  // So slow that it is identified anew: what it has not answered the software does.
+  // A stall makes the watchdog identify the board again; the software computes unanswered pairs.
   board_.hold(true);
   stamps = publish(1);
   ASSERT_TRUE(
       eventually([&] { return status_.last()->board_recoveries > after.board_recoveries; }));
   board_.hold(false);
   EXPECT_TRUE(disparity.with_stamp(stamps[0]));
-  const auto under_way = [](const StereoStatus& s) {
+  const auto in_flight = [](const StereoStatus& s) {
     std::uint64_t known = s.frames_published;
     for (const DropCauseInfo& cause : kDropCauses) known += s.*cause.field;
     return s.frames_in - known;
   };
-  EXPECT_EQ(under_way(status()), under_way(after));
+  EXPECT_EQ(in_flight(status()), in_flight(after));
 }
 
 }  // namespace

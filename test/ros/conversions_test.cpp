@@ -1,4 +1,4 @@
-// Messages filled and read without a node.
+// Conversions between messages and core, without a node.
 #include "ros/conversions.hpp"
 
 #include <cv_bridge/cv_bridge.h>
@@ -60,7 +60,7 @@ TEST(Conversions, DisparityImageHasValuesMarkerAndRange) {
   EXPECT_EQ(shifted.max_disparity, 47);
 }
 
-TEST(Conversions, OffsetOfThePrincipalPointsIsSubtractedOnce) {
+TEST(Conversions, SubtractsTheOffsetOfThePrincipalPointsOnce) {
   const cv::Mat1w disparity = (cv::Mat1w(1, 2) << 320, kNone);
   StereoGeometry g = geometry({2, 1});
   g.cx = 5;
@@ -69,7 +69,7 @@ TEST(Conversions, OffsetOfThePrincipalPointsIsSubtractedOnce) {
   EXPECT_EQ(values(message), (std::vector<float>{8, -3}));
   EXPECT_EQ(message.min_disparity, -2);
   EXPECT_EQ(message.max_disparity, 61);
-  // The cloud is of the same disparity: Z = f T / (x_l - x_r - (cx_l - cx_r)).
+  // The cloud uses the same disparity: Z = f T / (x_l - x_r - (cx_l - cx_r)).
   sensor_msgs::PointCloud2 cloud;
   to_point_cloud2(disparity, make_reprojection(g, 0), cv::Mat1b::zeros(1, 2), {}, {}, cloud);
   float z = 0;
@@ -77,7 +77,7 @@ TEST(Conversions, OffsetOfThePrincipalPointsIsSubtractedOnce) {
   EXPECT_FLOAT_EQ(z, 400 * 0.25 / 8);
 }
 
-TEST(Conversions, AMessageThatIsUsedAgainIsAsNew) {
+TEST(Conversions, OverwritesAReusedMessageCompletely) {
   const StereoGeometry large = geometry({6, 4}), small = geometry({3, 2});
   const cv::Mat1w first(large.image_size, std::uint16_t{320}), second(small.image_size, kNone);
   const CloudLayout other{PointColor::kMono, false, true, 1};
@@ -96,7 +96,7 @@ TEST(Conversions, AMessageThatIsUsedAgainIsAsNew) {
   EXPECT_EQ(values(used_image), values(disparity_message(second, small, {})));
 }
 
-TEST(Conversions, AMessageIsTakenAgainWhenNobodyHoldsIt) {
+TEST(Conversions, MessagePoolReusesAMessageThatNobodyHolds) {
   MessagePool<sensor_msgs::PointCloud2> pool;
   auto first = pool.take();
   const auto* const memory = first.get();
@@ -131,7 +131,7 @@ TEST(Conversions, ValidWindowLiesInTheImage) {
   EXPECT_EQ(w.width, 640U - 1 - 20 - 50);
 }
 
-TEST(Conversions, CameraInfoSurvivesFieldByField) {
+TEST(Conversions, CameraInfoKeepsEveryFieldBothWays) {
   sensor_msgs::CameraInfo info = synthetic_pair({64, 48}, 3, true).right_info;
   info.binning_x = 2;
   info.binning_y = 3;
@@ -150,9 +150,14 @@ TEST(Conversions, CameraInfoSurvivesFieldByField) {
   EXPECT_EQ(c.binning_x, 2);
   EXPECT_EQ(c.binning_y, 3);
   EXPECT_EQ(c.roi, cv::Rect(4, 5, 20, 30));
+  std_msgs::Header header;
+  header.frame_id = "somewhere";
+  const sensor_msgs::CameraInfo back = to_camera_info(c, header);
+  EXPECT_EQ(back.header.frame_id, "somewhere");
+  EXPECT_EQ(to_calibration(back), c);
 }
 
-TEST(Conversions, GeometryIsThatOfImageGeometryWithBinningAndRoi) {
+TEST(Conversions, GeometryEqualsImageGeometryWithBinningAndRoi) {
   PairMessages pair = synthetic_pair({640, 480}, 3, true);
   for (sensor_msgs::CameraInfo* info : {&pair.left_info, &pair.right_info}) {
     info->binning_x = info->binning_y = 2;
@@ -175,7 +180,7 @@ TEST(Conversions, GeometryIsThatOfImageGeometryWithBinningAndRoi) {
   EXPECT_DOUBLE_EQ(ours->geometry.baseline, model.baseline());
 }
 
-TEST(Conversions, GreyOf16BitsIsScaledTo8) {
+TEST(Conversions, Scales16BitGreyTo8Bit) {
   cv_bridge::CvImage image({}, "mono16", (cv::Mat1w(1, 3) << 0, 32768, 65535));
   const auto grey = to_grey(image.toImageMsg(), "left");
   ASSERT_TRUE(grey);
@@ -184,7 +189,7 @@ TEST(Conversions, GreyOf16BitsIsScaledTo8) {
   EXPECT_EQ(grey->at<std::uint8_t>(0, 2), 255);
 }
 
-TEST(Conversions, Mono8IsSharedAndNotCopied) {
+TEST(Conversions, SharesThePixelsOfMono8) {
   const auto message =
       cv_bridge::CvImage({}, "mono8", cv::Mat1b(4, 4, std::uint8_t{9})).toImageMsg();
   const auto grey = to_grey(message, "left");

@@ -18,7 +18,7 @@ namespace {
 using XmlRpc::XmlRpcValue;
 using Nodes = std::set<std::string>;
 
-/// The topics to which `node` sends what it publishes to this process.
+/// Returns the topics that `node` sends to this process.
 std::set<std::string> topics_sent_by(const std::string& node) {
   XmlRpcValue name, answer, uri, links;
   name[0] = ros::this_node::getName();
@@ -45,7 +45,7 @@ std::set<std::string> topics_sent_by(const std::string& node) {
   return topics;
 }
 
-/// The nodes other than this process by topic: those that publish it, or those that subscribe.
+/// Returns, by topic, the nodes other than this process that the master lists for it.
 std::map<std::string, Nodes> others_by_topic(XmlRpcValue& topics) {
   std::map<std::string, Nodes> nodes;
   for (int i = 0; i < topics.size(); ++i) {

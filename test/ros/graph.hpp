@@ -1,11 +1,11 @@
-// What the master and the nodes themselves say of who is connected to whom.
+// Asks the master and the nodes which connections exist.
 #pragma once
 
 namespace fpga_stereo::test {
 
-/// Whether every node that publishes a topic to which this process subscribes sends to it, and
-/// every node that subscribes to one of its topics is sent to. getNumPublishers() does not tell:
-/// it counts a publisher before that has accepted the connection, and may send without it.
+/// Returns true if every publisher of this process's subscriptions sends to it, and this process
+/// sends to every subscriber of its topics. getNumPublishers() cannot tell: it counts a publisher
+/// before that has accepted the connection.
 bool all_links_are_up();
 
 }  // namespace fpga_stereo::test

@@ -1,4 +1,4 @@
-// A pair published in the namespace of the launch file under test gives disparity and cloud.
+// A pair in the namespace of the launch file under test leads to a disparity and a cloud.
 #include <gtest/gtest.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <stereo_msgs/DisparityImage.h>
@@ -8,7 +8,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-TEST(Launch, GivesDisparityAndCloud) {
+TEST(Launch, PublishesDisparityAndCloud) {
   ros::NodeHandle nh("rig");
   Listener<stereo_msgs::DisparityImage> disparity(nh, "disparity");
   Listener<sensor_msgs::PointCloud2> cloud(nh, "points2");
@@ -32,7 +32,7 @@ TEST(Launch, GivesDisparityAndCloud) {
         return disparity.count() > 2 && cloud.count() > 2;
       },
       30));
-  // Parameters under the name that the launch file promises.
+  // The parameters have the documented names.
   const std::string node = ros::param::param<std::string>("/node", "fpga_stereo");
   EXPECT_TRUE(nh.hasParam(node + "/disparity_range"));
   EXPECT_TRUE(nh.hasParam(node + "/approximate_sync"));

@@ -1,4 +1,4 @@
-// No subscriber, no work, per output; and settings that change while the node runs.
+// The node computes nothing without a subscriber. Settings change while it runs.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -16,15 +16,15 @@ using stereo_msgs::DisparityImage;
 
 const cv::Size kSize(160, 120);
 
-TEST(Lazy, NobodyListensAndTheNodeIsDeaf) {
+TEST(Lazy, WithoutSubscribersTheNodeDoesNotSubscribe) {
   Rig rig;
-  EXPECT_TRUE(rig.node_is_deaf());
+  EXPECT_TRUE(rig.node_is_unsubscribed());
   const StereoStatus status = rig.status();
-  EXPECT_EQ(status.state, "idle: nobody listens");
+  EXPECT_EQ(status.state, StereoStatus::IDLE);
   EXPECT_EQ(status.source, "software");
 }
 
-TEST(Lazy, TheLastUnsubscriberStopsTheWork) {
+TEST(Lazy, UnsubscribesWhenTheLastSubscriberLeaves) {
   Rig rig;
   auto first = std::make_unique<Listener<DisparityImage>>(rig.nh(), "disparity");
   auto second = std::make_unique<Listener<Image>>(rig.nh(), "left/image_rect");
@@ -33,12 +33,12 @@ TEST(Lazy, TheLastUnsubscriberStopsTheWork) {
   first.reset();
   EXPECT_TRUE(second->with_stamp(rig.publish(synthetic_pair(kSize, 12))));
   second.reset();
-  ASSERT_TRUE(rig.node_is_deaf());
+  ASSERT_TRUE(rig.node_is_unsubscribed());
   const StereoStatus before = rig.status();
   rig.publish(synthetic_pair(kSize, 12));
   const StereoStatus after = rig.status();
   EXPECT_EQ(after.frames_in, before.frames_in);
-  EXPECT_EQ(after.state, "idle: nobody listens");
+  EXPECT_EQ(after.state, StereoStatus::IDLE);
 }
 
 TEST(Lazy, RectifiedImagesAloneNeedNoMatching) {
@@ -84,7 +84,7 @@ TEST(Reconfigure, RefusedValuesAreWrittenBack) {
   EXPECT_EQ(value_of(rig.reconfigure("census_pattern", "sparse"), "census_pattern"), "sparse");
 }
 
-TEST(Reconfigure, WhileFramesAreUnderWayLosesNone) {
+TEST(Reconfigure, LosesNoFrameInFlight) {
   Rig rig;
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   ASSERT_TRUE(rig.node_listens());
@@ -98,7 +98,7 @@ TEST(Reconfigure, WhileFramesAreUnderWayLosesNone) {
   rig.reconfigure("census_window_size", "11");
 }
 
-TEST(Diagnostics, SayWhatTheStatusSays) {
+TEST(Diagnostics, ReportTheStateOfTheStatus) {
   Rig rig;
   ros::NodeHandle root;
   Listener<diagnostic_msgs::DiagnosticArray> diagnostics(root, "/diagnostics");

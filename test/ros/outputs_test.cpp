@@ -1,4 +1,4 @@
-// What the running node publishes for good frames.
+// The outputs of the running node for good pairs.
 #include <cv_bridge/cv_bridge.h>
 #include <gtest/gtest.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -26,7 +26,7 @@ float float_at(const std::vector<std::uint8_t>& data, std::size_t offset) {
   return value;
 }
 
-/// Every pixel of the message equals core's disparity; the marker stands where there is none.
+/// Expects core's disparity in every pixel of the message, and the marker in invalid pixels.
 void expect_disparity(const DisparityImage& message, const cv::Mat1w& expected, double offset) {
   ASSERT_EQ(message.image.width, static_cast<unsigned>(expected.cols));
   ASSERT_EQ(message.image.height, static_cast<unsigned>(expected.rows));
@@ -84,7 +84,7 @@ TEST(Outputs, AllShareTheStampAndTheFrameOfTheLeftImage) {
   EXPECT_EQ(info->P[3], 0);
 }
 
-TEST(Outputs, DisparityIsThatOfCorePixelForPixel) {
+TEST(Outputs, DisparityEqualsCorePixelForPixel) {
   Rig rig;
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   ASSERT_TRUE(rig.node_listens());
@@ -92,7 +92,8 @@ TEST(Outputs, DisparityIsThatOfCorePixelForPixel) {
   const auto message = disparity.with_stamp(rig.publish(pair));
   ASSERT_TRUE(message);
   const cv::Mat1w expected = core_disparity(pair, Parameters());
-  EXPECT_GT(cv::countNonZero(expected != kNoDisparity), 160 * 120 / 3) << "a test of something";
+  EXPECT_GT(cv::countNonZero(expected != kNoDisparity), 160 * 120 / 3)
+      << "enough valid pixels for a meaningful test";
   expect_disparity(*message, expected, 0);
   EXPECT_FLOAT_EQ(message->f, 300);
   EXPECT_FLOAT_EQ(message->T, 0.1F);
@@ -101,7 +102,7 @@ TEST(Outputs, DisparityIsThatOfCorePixelForPixel) {
   EXPECT_EQ(message->delta_d, 1.0F / 32);
 }
 
-TEST(Outputs, EveryInputEncodingGivesTheDisparityOfItsGreyImage) {
+TEST(Outputs, EveryEncodingGivesTheDisparityOfItsGreyImage) {
   Rig rig;
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   ASSERT_TRUE(rig.node_listens());
@@ -113,7 +114,7 @@ TEST(Outputs, EveryInputEncodingGivesTheDisparityOfItsGreyImage) {
       const bool bayer = encoding.rfind("bayer", 0) == 0;
       const auto header = image->header;
       if (bayer) {
-        image->encoding = encoding;  // any mosaic is a picture
+        image->encoding = encoding;  // every grey image is a valid mosaic
       } else {
         *image = *cv_bridge::cvtColor(cv_bridge::toCvCopy(*image), encoding)->toImageMsg();
         image->header = header;
@@ -148,7 +149,7 @@ TEST(Outputs, ColorOfTheCameraReachesImageAndCloud) {
   const auto points = cloud.with_stamp(stamp);
   ASSERT_TRUE(picture && points && grey.with_stamp(stamp));
   EXPECT_EQ(picture->encoding, "bgr8");
-  EXPECT_EQ(picture->data, pair.left.data) << "nothing is to be rectified here";
+  EXPECT_EQ(picture->data, pair.left.data) << "this calibration moves no pixel";
   EXPECT_EQ(grey.last()->encoding, "mono8");
   ASSERT_TRUE(raw_color.with_stamp(stamp) && raw_mono.with_stamp(stamp));
   EXPECT_EQ(raw_color.last()->encoding, "bgr8");
@@ -162,7 +163,7 @@ TEST(Outputs, ColorOfTheCameraReachesImageAndCloud) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST(Outputs, MinimumDisparityShiftsTheSearchAndNotTheResult) {
+TEST(Outputs, MinDisparityShiftsTheSearchNotTheResult) {
   Rig rig;
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   Listener<Image> right(rig.nh(), "right/image_rect");
@@ -213,7 +214,7 @@ TEST(Outputs, DepthFollowsFromTheDisparityInBothEncodings) {
   rig.reconfigure("depth_encoding", "32FC1");
 }
 
-TEST(Outputs, CloudHasTheLayoutsThatTheParametersSay) {
+TEST(Outputs, CloudHasTheLayoutOfTheParameters) {
   Rig rig;
   Listener<PointCloud2> cloud(rig.nh(), "points2");
   ASSERT_TRUE(rig.node_listens());

@@ -1,5 +1,5 @@
-// The same recorded frames through stereo_image_proc and through this node: every field of both
-// messages is compared, and the differences that are meant are the ones listed here.
+// The same recorded pairs through stereo_image_proc (the peer) and through this node. The tests
+// compare every field; comments that begin with "Intended" mark the intended differences.
 #include <gtest/gtest.h>
 #include <image_geometry/stereo_camera_model.h>
 #include <rosbag/bag.h>
@@ -29,7 +29,7 @@ float float_at(const std::vector<std::uint8_t>& data, std::size_t offset) {
   return value;
 }
 
-/// Writes the frames to a bag and publishes what the bag gives back.
+/// Writes the pairs to a bag, reads them back and publishes them.
 void play(Rig& rig, const std::vector<PairMessages>& frames) {
   const std::string path = "/tmp/fpga_stereo_peer_" + std::to_string(getpid()) + ".bag";
   {
@@ -62,7 +62,7 @@ class Peer : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(rig_.node_listens());
-    // The peer subscribes of its own: its debayer, rectify and disparity nodelets.
+    // The peer has several nodelets that subscribe one after the other.
     ASSERT_TRUE(eventually(
         [this] { return peer_disparity_.count() > 0 || (warm_up(), peer_disparity_.count() > 0); },
         20));
@@ -73,7 +73,7 @@ class Peer : public testing::Test {
     ros::WallDuration(0.5).sleep();
   }
 
-  /// One frame through a bag; its stamp.
+  /// Publishes one pair from a bag. Returns its stamp.
   ros::Time play_synthetic_frame() {
     PairMessages pair = synthetic_pair({160, 120}, 12, true);
     pair.set_stamp(ros::Time::now());
@@ -88,7 +88,7 @@ class Peer : public testing::Test {
   Listener<Image> rect_{rig_.nh(), "left/image_rect"};
   Listener<DisparityImage> peer_disparity_{peer_, "disparity"};
   Listener<Image> peer_rect_{peer_, "left/image_rect"};
-  // stereo_image_proc's cloud of OUR disparity and image: consumers downstream see no difference.
+  // The peer's cloud of this node's disparity and image.
   Listener<PointCloud2> peer_cloud_{peer_, "points2"};
 };
 
@@ -113,17 +113,17 @@ TEST_F(Peer, DisparityFields) {
   EXPECT_EQ(ours->min_disparity, theirs->min_disparity);
   EXPECT_EQ(ours->max_disparity, theirs->max_disparity);
 
-  // Meant: our step is finer.
+  // Intended: the step of this node is finer.
   EXPECT_EQ(ours->delta_d, 0.03125F);
   EXPECT_EQ(theirs->delta_d, 0.0625F);
-  // Meant: the peer computes the window before it knows the size of the image.
+  // Intended: the peer computes the window before it knows the size of the image.
   EXPECT_EQ(ours->valid_window.x_offset, theirs->valid_window.x_offset);
   EXPECT_EQ(ours->valid_window.y_offset, theirs->valid_window.y_offset);
   EXPECT_EQ(ours->valid_window.width, 160U - 1 - 7 - 70);
   EXPECT_EQ(ours->valid_window.height, 120U - 1 - 14);
   EXPECT_GT(theirs->valid_window.width, 4000000000U);
 
-  // The marker is the same value, and where both have a disparity it is that of the scene.
+  // Invalid pixels have the same value; valid ones agree with each other.
   int both = 0;
   int close = 0;
   for (unsigned i = 0; i < 160 * 120; ++i) {
@@ -154,7 +154,7 @@ TEST_F(Peer, RectifiedImages) {
   EXPECT_LE(difference / static_cast<double>(ours->data.size()), 0.5);
 }
 
-/// Both clouds of the same disparity, byte for byte but for the last bits of a coordinate.
+/// Expects equal clouds, byte for byte except for the last bits of the coordinates.
 void expect_same_cloud(const PointCloud2& ours, const PointCloud2& theirs,
                        const DisparityImage& disparity) {
   EXPECT_EQ(ours.header.stamp, theirs.header.stamp);
@@ -174,25 +174,25 @@ void expect_same_cloud(const PointCloud2& ours, const PointCloud2& theirs,
   }
   ASSERT_EQ(ours.data.size(), theirs.data.size());
 
-  // Meant: the peer takes the smallest value of the image for the marker. Where no pixel is
-  // invalid it loses its farthest points; we do not.
-  float least = std::numeric_limits<float>::max();
+  // Intended: the peer takes the smallest value of the image for the marker. If no pixel is
+  // invalid, it loses the farthest points; this node does not.
+  float smallest = std::numeric_limits<float>::max();
   for (std::size_t i = 0; i < disparity.image.data.size(); i += 4) {
-    least = std::min(least, float_at(disparity.image.data, i));
+    smallest = std::min(smallest, float_at(disparity.image.data, i));
   }
   int valid = 0, wrong = 0, colors = 0;
   for (std::size_t i = 0; i < ours.data.size() / 32; ++i) {
     const float value = float_at(disparity.image.data, i * 4);
     const bool ours_valid = !std::isnan(float_at(ours.data, i * 32 + 8));
     const bool theirs_valid = !std::isnan(float_at(theirs.data, i * 32 + 8));
-    if (ours_valid != theirs_valid && !(ours_valid && value == least)) ++wrong;
+    if (ours_valid != theirs_valid && !(ours_valid && value == smallest)) ++wrong;
     colors += std::memcmp(&ours.data[i * 32 + 16], &theirs.data[i * 32 + 16], 3) != 0;
     if (!ours_valid || !theirs_valid) continue;
     ++valid;
     for (const std::size_t offset : {0, 4, 8}) {
       const float a = float_at(ours.data, i * 32 + offset);
       const float b = float_at(theirs.data, i * 32 + offset);
-      // The peer computes in float: x and y near the axis have the error of the ray's origin.
+      // The peer computes in float, so x and y near the axis have an absolute error.
       wrong += std::abs(a - b) > 1e-5F * std::max(std::abs(b), float_at(theirs.data, i * 32 + 8));
     }
   }

@@ -1,4 +1,4 @@
-// A board that is a program behind a serial line, for tests of the running node.
+// A virtual board behind a pseudo terminal, for tests of the running node.
 #pragma once
 
 #include <atomic>
@@ -14,17 +14,17 @@ namespace fpga_stereo::test {
 
 class PtyBoard {
  public:
-  /// Plugged in: `path` becomes a link to the pseudo terminal.
+  /// Plugs the board in: `path` becomes a symbolic link to the pseudo terminal.
   PtyBoard(const std::string& path, std::unique_ptr<sim::Board> board);
   PtyBoard(const std::string& path, const sim::SoftwareBoard::Options& options);
   ~PtyBoard();
 
   void plug(bool plugged);
-  /// While held, no byte goes over the line.
+  /// While held, no byte passes the link.
   void hold(bool held);
-  /// Its cameras see this pair, `rate` times a second; an empty one: nothing.
+  /// Makes its cameras see this pair `rate` times a second; an empty pair stops them.
   void watch(const sim::GreyPair& pair, double rate = 20);
-  /// Of a board of software.
+  /// Reads a register of a software board; 0 from other boards.
   std::uint32_t peek(std::uint32_t address);
   void reset();
 

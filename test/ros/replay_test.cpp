@@ -1,4 +1,4 @@
-// replay.launch on a bag that make_bag would make: every frame comes out, in the bag's time.
+// replay.launch publishes every frame of a bag in the time of the recording.
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -28,7 +28,7 @@ void write_bag(const std::string& path) {
   }
 }
 
-TEST(Replay, EveryFrameOfTheBagComesOut) {
+TEST(Replay, PublishesEveryFrameOfTheBag) {
   const std::string path = "/tmp/fpga_stereo_replay_" + std::to_string(getpid()) + ".bag";
   write_bag(path);
   ros::NodeHandle nh("rig");

@@ -79,7 +79,7 @@ Rig::Rig()
       status_(nh_, "fpga_stereo/status") {}
 
 ros::Time Rig::publish(PairMessages pair, bool keep_stamps) {
-  // Strictly later than the stamp before, whatever the resolution of the clock.
+  // Strictly rising, even if the clock has not advanced.
   static ros::Time last;
   if (!keep_stamps) {
     last = std::max(ros::Time::now(), last + ros::Duration(0, 1000));
@@ -100,7 +100,7 @@ bool Rig::node_listens() {
   });
 }
 
-bool Rig::node_is_deaf() {
+bool Rig::node_is_unsubscribed() {
   return eventually([this] {
     return left_.getNumSubscribers() == 0 && right_.getNumSubscribers() == 0 &&
            left_info_.getNumSubscribers() == 0 && right_info_.getNumSubscribers() == 0;
@@ -144,7 +144,7 @@ StereoStatus Rig::status_when(const std::function<bool(const StereoStatus&)>& co
 }
 
 StereoStatus Rig::status() {
-  // The next one may have been begun before this call; the one after it was not.
+  // The node may have begun the next status before this call, but not the one after it.
   const std::size_t seen = status_.count();
   eventually([&] { return status_.count() >= seen + 2; });
   return *status_.last();

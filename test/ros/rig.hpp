@@ -1,4 +1,4 @@
-// A camera pair made of publishers, and listeners that wait: what tests of a running node share.
+// A camera pair made of publishers, and listeners that wait; shared by the tests of a running node.
 #pragma once
 
 #include <dynamic_reconfigure/Reconfigure.h>
@@ -18,12 +18,12 @@
 
 namespace fpga_stereo::test {
 
-/// Waits until `condition` holds; false after `seconds`.
+/// Waits until `condition` holds. Returns false if it does not within `seconds`.
 bool eventually(const std::function<bool()>& condition, double seconds = 10);
-/// True where `condition` holds all the time.
+/// Returns true if `condition` holds throughout `seconds`.
 bool always(const std::function<bool()>& condition, double seconds = 1);
 
-/// The messages of one topic, in order.
+/// Subscribes to a topic and keeps its messages in order.
 template <class Message>
 class Listener {
  public:
@@ -43,7 +43,7 @@ class Listener {
     const std::lock_guard<std::mutex> lock(mutex_);
     return messages_.empty() ? nullptr : messages_.back();
   }
-  /// Waits for a message that fulfils `condition`.
+  /// Waits until one of the messages fulfils `condition`.
   bool any(const std::function<bool(const Message&)>& condition) const {
     return eventually([&] {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -51,7 +51,7 @@ class Listener {
                          [&](const Ptr& message) { return condition(*message); });
     });
   }
-  /// The message with this stamp, waiting for it; null where it does not come.
+  /// Waits for the message with this stamp. Returns null if it does not arrive.
   Ptr with_stamp(const ros::Time& stamp, double seconds = 10) const {
     Ptr found;
     eventually(
@@ -72,7 +72,7 @@ class Listener {
   ros::Subscriber subscriber_;
 };
 
-/// The four messages of a frame, to be spoilt as a test likes.
+/// The four messages of a pair. Tests may damage them.
 struct PairMessages {
   sensor_msgs::Image left, right;
   sensor_msgs::CameraInfo left_info, right_info;
@@ -80,32 +80,32 @@ struct PairMessages {
   void set_stamp(const ros::Time& stamp);
 };
 
-/// A textured pair with this disparity everywhere, and a calibration with some lens distortion
-/// where `distorted`.
+/// Returns a textured pair with the same disparity everywhere; with lens distortion if `distorted`.
 PairMessages synthetic_pair(cv::Size size, int disparity, bool distorted = false);
 
-/// The disparity that core computes for the pair.
+/// Returns the disparity that the reference pipeline computes for the pair.
 cv::Mat1w core_disparity(const PairMessages& pair, const Parameters& parameters);
 
-/// The publishers of a camera pair in the namespace "stereo", where the node under test is called
+/// Publishes a camera pair in the namespace "stereo", in which the node under test is called
 /// "fpga_stereo".
 class Rig {
  public:
   Rig();
 
   ros::NodeHandle& nh() { return nh_; }
-  /// Publishes with a fresh stamp, or with those of the messages where `keep_stamps`.
+  /// Publishes the pair with a fresh stamp, or with its own stamps if `keep_stamps`. Returns the
+  /// stamp of the left image.
   ros::Time publish(PairMessages pair, bool keep_stamps = false);
-  /// Waits until the node listens to all four topics and sends to every listener; or listens to
-  /// none.
+  /// Waits until the node subscribes to all four topics and sends to every listener.
   bool node_listens();
-  bool node_is_deaf();
-  /// Sets parameters by name and text; the configuration that the node answers.
+  /// Waits until the node subscribes to none of the four topics.
+  bool node_is_unsubscribed();
+  /// Sets a parameter by name and text. Returns the parameters that the node answers with.
   dynamic_reconfigure::Config reconfigure(const std::string& name, const std::string& value);
-  /// Waits for a status that fulfils `condition`; the last one seen.
+  /// Waits for a status that fulfils `condition`. Returns the last status seen.
   StereoStatus status_when(const std::function<bool(const StereoStatus&)>& condition,
                            double seconds = 15);
-  /// A status made after this call.
+  /// Waits for a status that was made after this call.
   StereoStatus status();
 
  private:
@@ -114,7 +114,7 @@ class Rig {
   Listener<StereoStatus> status_;
 };
 
-/// The value of `name` in a configuration, as text.
+/// Returns the value of a parameter as text.
 std::string value_of(const dynamic_reconfigure::Config& config, const std::string& name);
 
 }  // namespace fpga_stereo::test

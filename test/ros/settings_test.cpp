@@ -1,4 +1,4 @@
-// The dynamic_reconfigure description against the table of core, and what is refused.
+// Settings: defaults and ranges equal those of core; values that are not allowed are refused.
 #include "ros/settings.hpp"
 
 #include <dynamic_reconfigure/Config.h>
@@ -32,20 +32,20 @@ std::map<std::string, std::string> texts(const StereoConfig& config) {
 
 TEST(Settings, ReconfigureHasTheDefaultsAndRangesOfCore) {
   const auto defaults = texts(StereoConfig::__getDefault__());
-  const auto least = texts(StereoConfig::__getMin__());
-  const auto most = texts(StereoConfig::__getMax__());
+  const auto min = texts(StereoConfig::__getMin__());
+  const auto max = texts(StereoConfig::__getMax__());
   for (const ParameterInfo& info : parameter_table()) {
     ASSERT_EQ(defaults.count(info.name), 1U) << info.name;
     EXPECT_EQ(defaults.at(info.name), to_text(Parameters(), info)) << info.name;
     const bool number = std::holds_alternative<int Parameters::*>(info.member) ||
                         std::holds_alternative<double Parameters::*>(info.member);
     if (!number) continue;
-    EXPECT_EQ(std::stod(least.at(info.name)), info.min) << info.name;
-    EXPECT_EQ(std::stod(most.at(info.name)), info.max) << info.name;
+    EXPECT_EQ(std::stod(min.at(info.name)), info.min) << info.name;
+    EXPECT_EQ(std::stod(max.at(info.name)), info.max) << info.name;
   }
 }
 
-/// Those that are read once at the start, with their defaults, as YAML has them.
+/// Returns the parameters that the node reads at its start with their defaults, in YAML notation.
 std::map<std::string, std::string> start_parameters() {
   const BoardSettings board;
   const auto number = [](double value) {
@@ -66,7 +66,7 @@ std::map<std::string, std::string> start_parameters() {
           {"keep_incomplete", board.keep_incomplete ? "true" : "false"}};
 }
 
-TEST(Settings, YamlFilesNameKnownParametersAndStereoYamlAllWithTheirDefaults) {
+TEST(Settings, YamlFilesHaveKnownParametersAndDefaultsAndStereoYamlHasAll) {
   auto defaults = texts(StereoConfig::__getDefault__());
   defaults.merge(start_parameters());
   for (const std::string file : {"stereo.yaml", "paper.yaml"}) {
@@ -94,12 +94,12 @@ TEST(Settings, YamlFilesNameKnownParametersAndStereoYamlAllWithTheirDefaults) {
       }
     }
     if (file == "stereo.yaml") {
-      EXPECT_EQ(values.size(), defaults.size()) << "all of them";
+      EXPECT_EQ(values.size(), defaults.size()) << "stereo.yaml lists every parameter";
     }
   }
 }
 
-TEST(Settings, WhatIsNotAllowedKeepsWhatWasAndIsNamed) {
+TEST(Settings, RefusedValuesKeepTheOldOnesAndAreNamed) {
   const StereoConfig accepted = StereoConfig::__getDefault__();
   StereoConfig config = accepted;
   config.correlation_window_size = 14;
@@ -165,35 +165,36 @@ TEST(Settings, EveryValueReachesItsSetting) {
   EXPECT_EQ(s.num_threads, 3);
 }
 
-TEST(StampGate, PassesWhatIsInOrder) {
+TEST(StampGate, NumbersPairsWithRisingStamps) {
   StampGate gate;
-  EXPECT_FALSE(gate.check(ros::Time(10, 0)));
-  EXPECT_FALSE(gate.check(ros::Time(10, 1)));
-  EXPECT_FALSE(gate.check(ros::Time(1000)));
+  EXPECT_EQ(*gate.accept(ros::Time(10, 0)), 1U);
+  EXPECT_EQ(*gate.accept(ros::Time(10, 1)), 2U);
+  EXPECT_EQ(*gate.accept(ros::Time(1000)), 3U);
 }
 
-TEST(StampGate, RefusesZeroTwiceAndLate) {
+TEST(StampGate, RefusesZeroDuplicatesAndLatePairs) {
   StampGate gate;
-  EXPECT_TRUE(gate.check(ros::Time(0)));
-  EXPECT_FALSE(gate.check(ros::Time(10)));
-  EXPECT_TRUE(gate.check(ros::Time(10)));
-  EXPECT_TRUE(gate.check(ros::Time(9)));
-  EXPECT_FALSE(gate.check(ros::Time(11)));
+  EXPECT_FALSE(gate.accept(ros::Time(0)));
+  EXPECT_TRUE(gate.accept(ros::Time(10)));
+  EXPECT_EQ(gate.accept(ros::Time(10)).error().message,
+            "its stamp 10.000 is not later than 10.000, the stamp of the previous pair");
+  EXPECT_FALSE(gate.accept(ros::Time(9)));
+  EXPECT_TRUE(gate.accept(ros::Time(11)));
 }
 
-TEST(StampGate, TheSameLateFrameAgainAndAgainIsNoNewStart) {
+TEST(StampGate, TheSameLatePairAgainIsNoNewStart) {
   StampGate gate;
-  EXPECT_FALSE(gate.check(ros::Time(10)));
-  for (int i = 0; i < 20; ++i) EXPECT_TRUE(gate.check(ros::Time(9)));
+  EXPECT_TRUE(gate.accept(ros::Time(10)));
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(gate.accept(ros::Time(9)));
 }
 
-TEST(StampGate, FramesInOrderAmongThemselvesAreANewStart) {
+TEST(StampGate, LatePairsWithRisingStampsAreANewStart) {
   StampGate gate;
-  EXPECT_FALSE(gate.check(ros::Time(100)));
-  EXPECT_TRUE(gate.check(ros::Time(1)));
-  EXPECT_TRUE(gate.check(ros::Time(2)));
-  EXPECT_FALSE(gate.check(ros::Time(3)));
-  EXPECT_FALSE(gate.check(ros::Time(4)));
+  EXPECT_EQ(*gate.accept(ros::Time(100)), 1U);
+  EXPECT_FALSE(gate.accept(ros::Time(1)));
+  EXPECT_FALSE(gate.accept(ros::Time(2)));
+  EXPECT_EQ(*gate.accept(ros::Time(3)), 2U) << "numbers rise although time went back";
+  EXPECT_EQ(*gate.accept(ros::Time(4)), 3U);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Parameters on the parameter server before the node starts: allowed ones hold, the others are
-// refused and replaced by their defaults; those of stereo_image_proc do no harm.
+// Parameters that are set before the node starts: allowed values hold, others are refused and
+// replaced by their defaults. Parameters of stereo_image_proc are ignored.
 #include <gtest/gtest.h>
 #include <stereo_msgs/DisparityImage.h>
 
@@ -10,7 +10,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-TEST(StartParameters, GoodOnesHoldAndBadOnesAreReplaced) {
+TEST(StartParameters, AllowedValuesHoldAndOthersAreReplaced) {
   Rig rig;
   Listener<stereo_msgs::DisparityImage> disparity(rig.nh(), "disparity");
   ASSERT_TRUE(rig.node_listens());
@@ -55,7 +55,8 @@ TEST(StartParameters, OfABoard) {
   EXPECT_TRUE(read.topic_input);
   EXPECT_EQ(read.verify, 5);
   EXPECT_EQ(read.mid_exposure_ms, 8) << "an integer is a number";
-  EXPECT_EQ(read.device, "usb:match=^0*1234567$") << "0001234567 has become a number on its way";
+  EXPECT_EQ(read.device, "usb:match=^0*1234567$")
+      << "the parameter server turns 0001234567 into a number";
   nh.setParam("serial_number", "FT0012");
   EXPECT_EQ(load_board_settings(nh, refusals).device, "usb:serial=FT0012");
   EXPECT_TRUE(refusals.empty());
@@ -74,7 +75,7 @@ TEST(StartParameters, OfABoard) {
   EXPECT_EQ(refusals, expected);
 }
 
-TEST(StartParameters, OfAnotherTypeOrAKindOfNoUseAreRefused) {
+TEST(StartParameters, RefusesOtherTypesAndDevicesWithoutAnswers) {
   ros::NodeHandle nh("~types");
   nh.setParam("backend", 1);
   nh.setParam("device", "replay:/tmp/link.bin");
@@ -93,8 +94,8 @@ TEST(StartParameters, OfAnotherTypeOrAKindOfNoUseAreRefused) {
   for (const std::string& refusal : refuse_bad_parameters(nh)) refusals.push_back(refusal);
   const std::vector<std::string> expected{
       "backend = 1 (a whole number): allowed auto or board or software; using auto",
-      "device = replay:/tmp/link.bin: allowed usb... or serial:... (a recording answers no "
-      "requests: see it with 'board capture'); using usb",
+      "device = replay:/tmp/link.bin: allowed usb... or serial:... (a recording cannot answer "
+      "requests; 'board capture' shows it); using usb",
       "frame_id = 7 (a whole number): allowed text; using stereo_left_optical_frame",
       "verify = 10 (text): allowed 0 to 10000; using 0",
       "keep_incomplete = 1 (a whole number): allowed true or false; using false",
@@ -106,7 +107,8 @@ TEST(StartParameters, OfAnotherTypeOrAKindOfNoUseAreRefused) {
   refusals.clear();
   nh.setParam("device", "usb");
   nh.setParam("serial_number", 1e10);
-  EXPECT_EQ(load_board_settings(nh, refusals).device, "usb:serial=1e+10") << "no board at all";
+  EXPECT_EQ(load_board_settings(nh, refusals).device, "usb:serial=1e+10")
+      << "no board has this serial number";
   EXPECT_EQ(refusals.at(1),
             "serial_number = 1e+10 (a number): allowed text: quote it; using 1e+10");
 }

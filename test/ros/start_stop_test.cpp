@@ -1,5 +1,5 @@
-// The nodelet loaded and unloaded again and again, with frames under way. Run in a build with
-// AddressSanitizer this shows leaks and use after free.
+// Loads and unloads the nodelet many times with frames in flight. A build with AddressSanitizer
+// finds leaks and use after free here.
 #include <gtest/gtest.h>
 #include <nodelet/loader.h>
 #include <stereo_msgs/DisparityImage.h>
@@ -15,9 +15,9 @@ namespace fpga_stereo::test {
 namespace {
 
 constexpr int kCycles = 500;
-constexpr int kWarmUp = 100;  // caches fill
+constexpr int kWarmUp = 100;  // cycles until caches are full
 
-/// Resident memory, MiB.
+/// Returns the resident memory in MiB.
 [[maybe_unused]] double resident() {
   std::ifstream statm("/proc/self/statm");
   double total = 0;
@@ -26,9 +26,9 @@ constexpr int kWarmUp = 100;  // caches fill
   return pages * 4096 / (1 << 20);
 }
 
-TEST(StartStop, FiveHundredTimesWithFramesUnderWay) {
+TEST(StartStop, FiveHundredTimesWithFramesInFlight) {
   Rig rig;
-  // Counts and keeps nothing: memory is what is measured.
+  // Counts without keeping messages, because the test measures memory.
   std::atomic<int> disparities{0};
   const ros::Subscriber subscriber = rig.nh().subscribe<stereo_msgs::DisparityImage>(
       "disparity", 1, [&](const stereo_msgs::DisparityImage::ConstPtr&) { ++disparities; });
@@ -47,23 +47,22 @@ TEST(StartStop, FiveHundredTimesWithFramesUnderWay) {
     if (cycle == kWarmUp) settled = resident();
     const int before = disparities;
     ASSERT_TRUE(loader.load("/stereo/fpga_stereo", "fpga_stereo/stereo", {}, {})) << cycle;
-    // Every way to be unloaded: at once, while connecting, and with frames under way.
+    // Unload at once, while connecting, and with frames in flight.
     if (cycle % 3 == 1) ros::WallDuration(0.01).sleep();
     if (cycle % 3 == 2) {
       seen_output += eventually([&] { return disparities > before; }, 5);
     }
     ASSERT_TRUE(loader.unload("/stereo/fpga_stereo")) << cycle;
-    // A callback under way keeps the nodelet alive for its time: the next one would find its
-    // services taken.
+    // A running callback keeps the nodelet alive until it returns; until then its services exist.
     ASSERT_TRUE(eventually([] {
       return !ros::service::exists("/stereo/fpga_stereo/set_parameters", false);
     })) << cycle;
   }
   stop = true;
   camera.join();
-  EXPECT_EQ(seen_output, kCycles / 3) << "every started node must produce";
-#ifndef __SANITIZE_ADDRESS__  // it keeps freed memory for a while, and finds leaks by itself
-  // 400 cycles; a leak of one small frame per cycle would be 5 MiB.
+  EXPECT_EQ(seen_output, kCycles / 3) << "every node that was started publishes";
+#ifndef __SANITIZE_ADDRESS__  // it delays freeing, and reports leaks itself
+  // A leak of one small frame in each of the 400 cycles would be 5 MiB.
   EXPECT_LT(resident() - settled, 4) << "MiB";
 #endif
 }

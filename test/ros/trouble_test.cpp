@@ -1,5 +1,5 @@
-// Input that is late, missing, mis-sized, mis-stamped, wrongly encoded or uncalibrated: never
-// published, always counted and explained, and the next good frame comes out.
+// Bad input: late, missing, of a wrong size, stamp or encoding, or uncalibrated. It is not
+// published, it is counted and explained, and the next good pair is published.
 #include <gtest/gtest.h>
 #include <stereo_msgs/DisparityImage.h>
 
@@ -18,25 +18,27 @@ class Trouble : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(rig_.node_listens()); }
 
-  /// A frame spoilt by `spoil` is not published, adds 1 to `counter` and is explained by `words`;
-  /// a good frame then comes out.
-  void expect_refused(const std::function<void(PairMessages&)>& spoil,
-                      std::uint64_t StereoStatus::*counter, const std::string& words) {
+  /// Expects that a pair damaged by `damage` is not published, adds 1 to `counter` and is explained
+  /// by `state` and `words`, and that the next good pair is published.
+  void expect_refused(const std::function<void(PairMessages&)>& damage,
+                      std::uint64_t StereoStatus::*counter, std::uint8_t state,
+                      const std::string& words) {
     const StereoStatus before = rig_.status();
     PairMessages pair = synthetic_pair(kSize, 12);
     pair.set_stamp(ros::Time::now());
-    spoil(pair);
+    damage(pair);
     const std::size_t published = disparity_.count();
     rig_.publish(pair, true);
     const StereoStatus after =
         rig_.status_when([&](const StereoStatus& s) { return s.*counter > before.*counter; });
     EXPECT_EQ(after.*counter, before.*counter + 1);
-    EXPECT_NE(after.state.find(words), std::string::npos) << "state is: " << after.state;
+    EXPECT_EQ(after.state, state);
+    EXPECT_NE(after.state_text.find(words), std::string::npos) << after.state_text;
     EXPECT_EQ(disparity_.count(), published);
     EXPECT_EQ(after.frames_in, before.frames_in + 1);
 
     EXPECT_TRUE(disparity_.with_stamp(rig_.publish(synthetic_pair(kSize, 12))));
-    EXPECT_EQ(rig_.status().state, "streaming");
+    EXPECT_EQ(rig_.status().state, StereoStatus::STREAMING);
   }
 
   Rig rig_;
@@ -45,27 +47,28 @@ class Trouble : public testing::Test {
 
 TEST_F(Trouble, UnknownEncoding) {
   expect_refused([](PairMessages& p) { p.left.encoding = "jpeg"; }, &StereoStatus::dropped_encoding,
-                 "left image with encoding \"jpeg\"");
+                 StereoStatus::BAD_IMAGE, "left image with encoding \"jpeg\"");
 }
 
-TEST_F(Trouble, EncodingThatIsNoPicture) {
+TEST_F(Trouble, EncodingThatIsNotAnImage) {
   expect_refused(
       [](PairMessages& p) {
         p.right.encoding = "32FC1";
         p.right.step = p.right.width * 4;
         p.right.data.resize(p.right.step * p.right.height);
       },
-      &StereoStatus::dropped_encoding, "right image with encoding \"32FC1\"");
+      &StereoStatus::dropped_encoding, StereoStatus::BAD_IMAGE,
+      "right image with encoding \"32FC1\"");
 }
 
 TEST_F(Trouble, DataShorterThanTheImage) {
   expect_refused([](PairMessages& p) { p.left.data.resize(100); }, &StereoStatus::dropped_encoding,
-                 "100 bytes");
+                 StereoStatus::BAD_IMAGE, "100 bytes");
 }
 
 TEST_F(Trouble, StepBelowTheWidth) {
   expect_refused([](PairMessages& p) { p.left.step = 10; }, &StereoStatus::dropped_encoding,
-                 "step 10");
+                 StereoStatus::BAD_IMAGE, "step 10");
 }
 
 TEST_F(Trouble, ImageWithoutPixels) {
@@ -74,7 +77,7 @@ TEST_F(Trouble, ImageWithoutPixels) {
         p.left.width = p.left.height = p.left.step = 0;
         p.left.data.clear();
       },
-      &StereoStatus::dropped_encoding, "no pixel");
+      &StereoStatus::dropped_encoding, StereoStatus::BAD_IMAGE, "no pixels");
 }
 
 TEST_F(Trouble, ImageSmallerThanItsCameraInfo) {
@@ -82,7 +85,8 @@ TEST_F(Trouble, ImageSmallerThanItsCameraInfo) {
       [](PairMessages& p) {
         p.left = synthetic_pair({80, 60}, 12).left, p.left.header.stamp = p.right.header.stamp;
       },
-      &StereoStatus::dropped_image_size, "left image is 80x60: its camera_info says 160x120");
+      &StereoStatus::dropped_image_size, StereoStatus::BAD_IMAGE,
+      "left image is 80x60: its camera_info says 160x120");
 }
 
 TEST_F(Trouble, RightImageOfAnotherSize) {
@@ -90,46 +94,48 @@ TEST_F(Trouble, RightImageOfAnotherSize) {
       [](PairMessages& p) {
         p.right = synthetic_pair({160, 100}, 12).right, p.right.header.stamp = p.left.header.stamp;
       },
-      &StereoStatus::dropped_image_size, "right image is 160x100");
+      &StereoStatus::dropped_image_size, StereoStatus::BAD_IMAGE, "right image is 160x100");
 }
 
 TEST_F(Trouble, UncalibratedCamera) {
   expect_refused([](PairMessages& p) { p.left_info.K[0] = 0; }, &StereoStatus::dropped_uncalibrated,
-                 "left camera is uncalibrated");
+                 StereoStatus::UNCALIBRATED, "left camera is uncalibrated");
 }
 
 TEST_F(Trouble, NoBaseline) {
   expect_refused([](PairMessages& p) { p.right_info.P[3] = 0; }, &StereoStatus::dropped_calibration,
-                 "P[3] = 0");
+                 StereoStatus::BAD_CALIBRATION, "P[3] = 0");
 }
 
 TEST_F(Trouble, FocalLengthsThatDiffer) {
   expect_refused([](PairMessages& p) { p.right_info.P[0] = 301; },
-                 &StereoStatus::dropped_calibration, "fx of left and right");
+                 &StereoStatus::dropped_calibration, StereoStatus::BAD_CALIBRATION,
+                 "fx of left and right");
 }
 
 TEST_F(Trouble, CalibrationThatIsNotANumber) {
   expect_refused([](PairMessages& p) { p.right_info.R[4] = std::nan(""); },
-                 &StereoStatus::dropped_calibration, "right camera_info R");
+                 &StereoStatus::dropped_calibration, StereoStatus::BAD_CALIBRATION,
+                 "right camera_info R");
 }
 
 TEST_F(Trouble, CameraInfosOfTwoSizes) {
   expect_refused([](PairMessages& p) { p.right_info.width = 200; },
-                 &StereoStatus::dropped_calibration, "200x120");
+                 &StereoStatus::dropped_calibration, StereoStatus::BAD_CALIBRATION, "200x120");
 }
 
 TEST_F(Trouble, StampOfZero) {
   expect_refused([](PairMessages& p) { p.set_stamp(ros::Time(0)); }, &StereoStatus::dropped_stamp,
-                 "stamp is 0");
+                 StereoStatus::BAD_STAMP, "stamp is 0");
 }
 
 TEST_F(Trouble, LateFrame) {
   ASSERT_TRUE(disparity_.with_stamp(rig_.publish(synthetic_pair(kSize, 12))));
   expect_refused([](PairMessages& p) { p.set_stamp(ros::Time::now() - ros::Duration(60)); },
-                 &StereoStatus::dropped_stamp, "not later");
+                 &StereoStatus::dropped_stamp, StereoStatus::BAD_STAMP, "not later");
 }
 
-TEST_F(Trouble, StampsThatDifferAreNoPair) {
+TEST_F(Trouble, ImagesWithDifferentStampsAreNotPaired) {
   const StereoStatus before = rig_.status();
   PairMessages pair = synthetic_pair(kSize, 12);
   for (int i = 0; i < 20; ++i) {
@@ -141,32 +147,34 @@ TEST_F(Trouble, StampsThatDifferAreNoPair) {
   const StereoStatus after = rig_.status();
   EXPECT_EQ(after.frames_published, before.frames_published);
   EXPECT_GE(after.dropped_unsynchronized, before.dropped_unsynchronized + 20 - 5);
-  EXPECT_NE(after.state.find("not synchronised"), std::string::npos) << after.state;
-  EXPECT_NE(after.state.find("/stereo/right/image_raw are 0.0123 s apart"), std::string::npos)
-      << after.state;
+  EXPECT_EQ(after.state, StereoStatus::UNSYNCHRONISED);
+  EXPECT_NE(after.state_text.find("not synchronised"), std::string::npos) << after.state_text;
+  EXPECT_NE(after.state_text.find("/stereo/right/image_raw are 0.0123 s apart"), std::string::npos)
+      << after.state_text;
   EXPECT_TRUE(disparity_.with_stamp(rig_.publish(synthetic_pair(kSize, 12))));
 }
 
 TEST_F(Trouble, MissingTopicsAreNamed) {
-  // Nothing at all.
-  const auto none =
-      rig_.status_when([](const StereoStatus& s) { return s.state.find("no images") == 0; });
-  EXPECT_NE(none.state.find("/stereo/left/image_raw"), std::string::npos) << none.state;
-  EXPECT_NE(none.state.find("/stereo/right/image_raw"), std::string::npos) << none.state;
+  const StereoStatus none = rig_.status_when(
+      [](const StereoStatus& s) { return s.state == StereoStatus::WAITING_FOR_IMAGES; });
+  EXPECT_EQ(none.state, StereoStatus::WAITING_FOR_IMAGES);
+  EXPECT_NE(none.state_text.find("/stereo/left/image_raw"), std::string::npos) << none.state_text;
+  EXPECT_NE(none.state_text.find("/stereo/right/image_raw"), std::string::npos) << none.state_text;
 
-  // Images without calibration.
+  // Images without camera_info.
   ros::Publisher left = rig_.nh().advertise<sensor_msgs::Image>("left/image_raw", 1);
   ros::Publisher right = rig_.nh().advertise<sensor_msgs::Image>("right/image_raw", 1);
   PairMessages pair = synthetic_pair(kSize, 12);
   StereoStatus status;
-  for (int i = 0; i < 40 && status.state.find("no camera_info") != 0; ++i) {
+  for (int i = 0; i < 40 && status.state != StereoStatus::WAITING_FOR_CAMERA_INFO; ++i) {
     pair.set_stamp(ros::Time::now());
     left.publish(pair.left);
     right.publish(pair.right);
     ros::WallDuration(0.2).sleep();
     status = rig_.status_when([](const StereoStatus&) { return true; });
   }
-  EXPECT_EQ(status.state,
+  EXPECT_EQ(status.state, StereoStatus::WAITING_FOR_CAMERA_INFO);
+  EXPECT_EQ(status.state_text,
             "no camera_info: nothing arrives on /stereo/left/camera_info, "
             "/stereo/right/camera_info");
 }
@@ -182,7 +190,7 @@ TEST_F(Trouble, TimeThatStartsOverIsFollowed) {
   }
   EXPECT_TRUE(disparity_.with_stamp(begin + ros::Duration(0.5)));
   EXPECT_FALSE(disparity_.with_stamp(begin, 0.1));
-  // And back: an ordinary frame.
+  // And back to the present.
   EXPECT_TRUE(disparity_.with_stamp(rig_.publish(pair)));
 }
 

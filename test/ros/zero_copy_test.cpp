@@ -1,5 +1,5 @@
-// Publishers, the node and subscribers in one process, as in one nodelet manager: what could be
-// passed on is not copied.
+// Cameras, node and subscribers in one process, as in one nodelet manager: images that can be
+// passed on are not copied.
 #include <gtest/gtest.h>
 #include <nodelet/loader.h>
 #include <stereo_msgs/DisparityImage.h>
@@ -30,7 +30,7 @@ class ZeroCopy : public testing::Test {
   nodelet::Loader loader_{false};
 };
 
-TEST_F(ZeroCopy, TheImageOfAGreyCameraIsPassedOn) {
+TEST_F(ZeroCopy, PassesOnTheMessageOfAGreyCamera) {
   Listener<Image> raw(rig_.nh(), "left/image_raw"), mono(rig_.nh(), "left/image_mono");
   Listener<Image> right_raw(rig_.nh(), "right/image_raw"), color(rig_.nh(), "right/image_color");
   Listener<Image> rect(rig_.nh(), "left/image_rect");
@@ -48,15 +48,15 @@ TEST_F(ZeroCopy, TheImageOfAGreyCameraIsPassedOn) {
   EXPECT_NE(rectified, from);
 }
 
-// The pair has the stamp of the left image: the right one cannot be passed on as it is.
-TEST_F(ZeroCopy, AnImageThatNeedsAnotherStampIsCopied) {
+// A pair has the stamp of its left image, so a right image with another stamp needs a new message.
+TEST_F(ZeroCopy, CopiesAnImageThatNeedsAnotherStamp) {
   Listener<Image> raw(rig_.nh(), "right/image_raw"), mono(rig_.nh(), "right/image_mono");
   start(true /* approximate_sync */);
   ASSERT_TRUE(rig_.node_listens());
   PairMessages pair = synthetic_pair(kSize, 12, true);
   const ros::Time start_time = ros::Time::now();
   const ros::Duration later(0.001);
-  for (int i = 0; i < 4; ++i) {  // the synchronizer waits for the next ones before it decides
+  for (int i = 0; i < 4; ++i) {  // the synchronizer decides when the next messages arrive
     pair.set_stamp(start_time + ros::Duration(0.1 * i));
     pair.right.header.stamp += later;
     pair.right_info.header.stamp += later;
@@ -69,7 +69,7 @@ TEST_F(ZeroCopy, AnImageThatNeedsAnotherStampIsCopied) {
   EXPECT_EQ(from->data, to->data);
 }
 
-TEST_F(ZeroCopy, MessagesThatNobodyHoldsAreUsedAgain) {
+TEST_F(ZeroCopy, ReusesMessagesThatNoSubscriberHolds) {
   std::set<const void*> disparities, images;
   std::atomic<int> messages{0};
   const ros::Subscriber disparity =

@@ -1,0 +1,82 @@
+// The inputs and sources of the node, and the decisions between them: which source gets a pair,
+// when the topics are subscribed, and what state the node is in.
+#pragma once
+
+#include <ros/ros.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "ros/board_report.hpp"
+#include "ros/board_settings.hpp"
+#include "ros/board_source.hpp"
+#include "ros/camera_topics.hpp"
+#include "ros/demand.hpp"
+#include "ros/frame_publisher.hpp"
+#include "ros/health.hpp"
+#include "ros/settings.hpp"
+#include "ros/software_source.hpp"
+#include "ros/stamp_gate.hpp"
+#include "ros/topic_input.hpp"
+
+namespace fpga_stereo {
+
+/// Owns software, board and topics. With backend `auto` the board makes the disparity if it can,
+/// and the software otherwise.
+///
+/// set_settings() and set_demand() are for one thread at a time, the rest is thread-safe.
+class Sources {
+ public:
+  enum class Maker { kSoftware, kBoard };
+
+  /// Hands frames to `publisher`. Calls `changed`, from threads of its own and without a lock, when
+  /// the demand has to be set again. `health` and `publisher` must outlive the sources.
+  Sources(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, const SyncSettings& sync,
+          const BoardSettings& board_settings, Health& health, FramePublisher& publisher,
+          const std::function<void()>& changed);
+  /// Stops the topics first, then the board, then the software. Blocks until their threads end.
+  ~Sources();
+  Sources(const Sources&) = delete;
+  Sources& operator=(const Sources&) = delete;
+
+  void set_settings(const Settings& settings);
+  /// Makes the sources compute what is in demand, and subscribes to the topics if they are needed.
+  void set_demand(const Demand& demand);
+  /// Call about once a second.
+  void refresh();
+  /// Resets the link to the board. Returns false if the backend is the software.
+  bool reset_board();
+
+  /// Returns what makes the disparity now.
+  Maker active() const;
+  StateReport state() const;
+  /// Says why no pairs or frames arrive, apart from refused ones; nullopt if they do.
+  std::optional<StateReport> input_trouble() const;
+  /// Returns nullopt if the backend is the software.
+  std::optional<BoardReport> board_report() const;
+  bool has_board() const { return board_ != nullptr && board_->is_present(); }
+
+ private:
+  void make_board(const ros::NodeHandle& nh, const std::function<void()>& changed);
+  /// True if the pairs come from topics, not from the cameras of a board.
+  bool needs_topics() const;
+  void on_pair(const SourcePair& pair);
+  /// Says why the board did not take a pair.
+  StateReport refusal_of_board() const;
+
+  const BoardSettings board_settings_;
+  Health& health_;
+  FramePublisher& publisher_;
+  StampGate gate_;
+  // All are set by the constructor and never change; no board if the backend is the software.
+  std::unique_ptr<SoftwareSource> software_;
+  std::unique_ptr<CameraTopics> cameras_;
+  std::unique_ptr<BoardSource> board_;
+  std::unique_ptr<TopicInput> topics_;
+};
+
+/// "software" or "board".
+const char* name(Sources::Maker maker);
+
+}  // namespace fpga_stereo
