@@ -1,4 +1,4 @@
-// Tells that a USB board has come or gone, at once.
+// Signals that a USB board was plugged in or unplugged.
 #pragma once
 
 #include <chrono>
@@ -6,8 +6,8 @@
 
 namespace fpga_stereo::link {
 
-/// Wakes who waits for a board. Where libusb cannot tell of boards that come and go, every wait
-/// takes its full time.
+/// Wakes a thread that waits for a board. If libusb has no hotplug events, every wait takes its
+/// full time.
 class HotplugWatch {
  public:
   HotplugWatch();
@@ -15,10 +15,10 @@ class HotplugWatch {
   HotplugWatch(const HotplugWatch&) = delete;
   HotplugWatch& operator=(const HotplugWatch&) = delete;
 
-  /// Whether a board has come or gone since the last call, at the latest after `timeout`. False,
-  /// too, after interrupt().
+  /// Waits up to `timeout` for a board to come or go. Returns true if one has since the last call;
+  /// false also after interrupt(). Only one thread may wait.
   bool wait(std::chrono::milliseconds timeout);
-  /// Ends a wait() of another thread, or else the next one.
+  /// Ends the wait() of another thread, or, if none waits, the next one.
   void interrupt();
 
  private:

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -15,7 +17,7 @@ Error file_error(const std::string& path) {
   const auto kind = code == EACCES || code == EPERM ? ErrorKind::kPermission
                     : code == ENOENT                ? ErrorKind::kNotFound
                                                     : ErrorKind::kIo;
-  return {kind, "the recording " + path + " cannot be written: " + std::strerror(code)};
+  return {kind, fmt::format("the recording {} cannot be written: {}", path, std::strerror(code))};
 }
 
 }  // namespace
@@ -37,7 +39,7 @@ Recorder::Recorder(std::unique_ptr<Transport> inner, std::string path, std::FILE
       path_(std::move(path)),
       start_(std::chrono::steady_clock::now()),
       file_(file) {
-  // 40 MB/s in pieces of some KiB: the system is asked 40 times a second.
+  // A large buffer: at 40 MB/s in pieces of some KiB, 40 system calls per second.
   std::setvbuf(file, nullptr, _IOFBF, 1 << 20);
 }
 
@@ -46,7 +48,7 @@ Recorder::~Recorder() = default;
 void Recorder::append(std::uint8_t direction, const std::uint8_t* bytes, std::size_t size) {
   const auto time = std::chrono::duration_cast<std::chrono::microseconds>(
       std::chrono::steady_clock::now() - start_);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   while (size > 0 && file_) {
     const std::size_t part = std::min<std::size_t>(size, kMaxRecordBytes);
     std::array<std::uint8_t, kRecordHeaderBytes> header{};
@@ -55,7 +57,7 @@ void Recorder::append(std::uint8_t direction, const std::uint8_t* bytes, std::si
     header[12] = direction;
     if (std::fwrite(header.data(), header.size(), 1, file_.get()) != 1 ||
         std::fwrite(bytes, part, 1, file_.get()) != 1) {
-      failed_ = file_error(path_);
+      failure_ = file_error(path_);
       file_.reset();
     }
     bytes += part;
@@ -80,8 +82,8 @@ std::string Recorder::description() const {
 }
 
 Status Recorder::status() const {
-  const std::lock_guard lock(mutex_);
-  if (failed_) return *failed_;
+  const MutexLock lock(mutex_);
+  if (failure_) return *failure_;
   return {};
 }
 

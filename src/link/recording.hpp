@@ -1,15 +1,15 @@
-// What went over a link, in a file, and the file as a link again. The format stands in
-// fpga_fw/spec/link.md.
+// Recordings of a link: a transport that writes one, and a transport that replays one. The file
+// format is in fpga_fw/spec/link.md.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/thread_safety.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/link/transport.hpp"
 
@@ -20,11 +20,11 @@ constexpr std::uint32_t kRecordingVersion = 1;
 constexpr std::size_t kRecordingHeaderBytes = 16, kRecordHeaderBytes = 16;
 constexpr std::uint32_t kMaxRecordBytes = 1 << 24;
 
-/// Another transport, all bytes of which are written to a file. A file that cannot be written any
-/// more (a full disk) ends the recording, not the link.
+/// Passes on what another transport carries and writes all bytes to a file. An error of the file (a
+/// full disk) ends the recording, not the link.
 class Recorder : public Transport {
  public:
-  /// Overwrites `path`. On failure `inner` is lost.
+  /// Overwrites the file `path`. On failure `inner` is closed.
   static Result<std::unique_ptr<Recorder>> open(std::unique_ptr<Transport> inner,
                                                 const std::string& path);
   Recorder(const Recorder&) = delete;
@@ -37,26 +37,29 @@ class Recorder : public Transport {
   std::string description() const override;
   Counters counters() const override { return inner_->counters(); }
 
-  /// Why the recording has ended before the link.
-  Status status() const;
+  /// Returns the error of the file that ended the recording, if any.
+  Status status() const FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
   struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   Recorder(std::unique_ptr<Transport> inner, std::string path, std::FILE* file);
-  void append(std::uint8_t direction, const std::uint8_t* bytes, std::size_t size);
+  void append(std::uint8_t direction, const std::uint8_t* bytes, std::size_t size)
+      FPGA_STEREO_EXCLUDES(mutex_);
 
   const std::unique_ptr<Transport> inner_;
   const std::string path_;
   const std::chrono::steady_clock::time_point start_;
-  mutable std::mutex mutex_;
-  std::unique_ptr<std::FILE, CloseFile> file_;
-  std::optional<Error> failed_;
+  mutable Mutex mutex_;
+  /// Null once the recording has ended.
+  std::unique_ptr<std::FILE, CloseFile> file_ FPGA_STEREO_GUARDED_BY(mutex_);
+  std::optional<Error> failure_ FPGA_STEREO_GUARDED_BY(mutex_);
 };
 
-/// What was read then is read again, at `speed` times its own pace (0: at once); what is written is
-/// swallowed. A recording that breaks off in a record ends there, with kUnplugged as any other.
+/// Opens a recording as a transport: read() gives what was read then, `speed` times as fast (0:
+/// without waiting); what is written is discarded. A recording ends with kUnplugged, also one that
+/// breaks off within a record.
 Result<std::unique_ptr<Transport>> open_replay(const std::string& path, double speed = 1);
 
 }  // namespace fpga_stereo::link

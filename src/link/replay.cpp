@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -28,7 +30,7 @@ class Replay : public Transport {
   Counters counters() const override { return {bytes_in_, bytes_out_, 0}; }
 
  private:
-  /// The next record of what was read, into record_; sets end_ where there is none.
+  /// Loads the next record of received bytes; at the end of the file sets end_.
   void next();
   void end(ErrorKind kind, const std::string& message);
 
@@ -39,7 +41,7 @@ class Replay : public Transport {
   std::uint64_t offset_ = kRecordingHeaderBytes;  // in the file, of the next record
   std::uint64_t time_ = 0;                        // us, of the last record
   std::vector<std::uint8_t> record_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0;  // first byte of record_ that was not read
   std::optional<Error> end_;
   std::atomic<std::uint64_t> bytes_in_{0}, bytes_out_{0};
 };
@@ -61,8 +63,8 @@ void Replay::next() {
     const std::uint32_t size = get_u32(header.data() + 8);
     if (size == 0 || size > kMaxRecordBytes || header[12] > 1 || header[13] != 0 ||
         header[14] != 0 || header[15] != 0 || time < time_) {
-      return end(ErrorKind::kIo, " is damaged: there is no record at byte " +
-                                     std::to_string(offset_) + ", where one should begin");
+      return end(ErrorKind::kIo,
+                 fmt::format(" is damaged: byte {} does not begin a record", offset_));
     }
     record_.resize(size);
     file_.read(reinterpret_cast<char*>(record_.data()), size);
@@ -99,7 +101,7 @@ Result<std::size_t> Replay::write(const std::uint8_t*, std::size_t size, Timeout
 }
 
 Status Replay::recover(Recovery step) {
-  if (step == Recovery::kReset) end(ErrorKind::kUnplugged, " was reset: open it anew");
+  if (step == Recovery::kReset) end(ErrorKind::kUnplugged, " was reset: open it again");
   if (end_) return *end_;
   return {};
 }
@@ -118,13 +120,13 @@ Result<std::unique_ptr<Transport>> open_replay(const std::string& path, double s
   file.read(reinterpret_cast<char*>(header.data()), header.size());
   if (file.gcount() < static_cast<std::streamsize>(header.size()) ||
       std::memcmp(header.data(), kRecordingMagic, 8) != 0) {
-    return Error{ErrorKind::kIo, path + " is no recording of a link: it does not begin as one"};
+    return Error{ErrorKind::kIo, path + " is not a recording of a link: its first bytes are wrong"};
   }
   const std::uint32_t version = get_u32(header.data() + 8);
   if (version != kRecordingVersion) {
-    return Error{ErrorKind::kIo, "the recording " + path + " is of version " +
-                                     std::to_string(version) + ", this program knows version " +
-                                     std::to_string(kRecordingVersion)};
+    return Error{ErrorKind::kIo,
+                 fmt::format("the recording {} has version {}; this program reads version {}", path,
+                             version, kRecordingVersion)};
   }
   return std::unique_ptr<Transport>(std::make_unique<Replay>(std::move(file), path, speed));
 }

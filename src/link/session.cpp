@@ -1,108 +1,118 @@
 #include "link/session.hpp"
 
-#include <algorithm>
+#include <fmt/core.h>
+
+#include <iterator>
+#include <stdexcept>
 #include <utility>
 
 namespace fpga_stereo::link {
 namespace {
 
-constexpr int kAttempts = 3;            // to configure a board that does not hold what is written
-constexpr std::size_t kKeptPairs = 64;  // that were sent: more than a board has under way
+constexpr int kMaxFailures = 3;  // before a board that does not hold its configuration is refused
 
 }  // namespace
 
+Session::Session(const SessionOptions& options)
+    : options_(options),
+      outbox_(std::make_unique<Outbox>()),
+      requests_(std::make_unique<RequestQueue>(options, *outbox_)),
+      configurator_(std::make_unique<Configurator>(*requests_, options.tries)),
+      receiver_(options.keep_incomplete),
+      watchdog_(options) {}
+
+// States.
+
+void Session::enter(LinkEvent event) {
+  const auto next = next_state(state_, event);
+  if (!next) {
+    throw std::logic_error(
+        fmt::format("link state {} has no transition for {}", name(state_), name(event)));
+  }
+  state_ = *next;
+}
+
 void Session::opened(Time now) {
-  now_ = last_packet_ = last_byte_ = now;
-  next_step_ = now + options_.silence;
-  attempts_ = 0;
-  refusal_.clear();
-  outgoing_.clear();
-  queued_ = sent_ = pair_end_ = 0;
-  begin_anew();
+  if (state_ != LinkState::kClosed) closed();
+  now_ = last_byte_ = now;
+  watchdog_.start(now);
+  failures_ = 0;
+  refusal_ = {};
+  outbox_->clear();
+  pair_end_ = 0;
+  enter(LinkEvent::kOpened);
+  restart();
 }
 
 void Session::closed() {
-  state_ = LinkState::kClosed;
-  identity_.reset();
-  drop_jobs({ErrorKind::kUnplugged, "the line to the board is lost"});
-  assembler_.reset(assembled_);
-  deliver();
-  sets_.reset(complete_);
-  deliver();
+  enter(LinkEvent::kClosed);
+  configurator_->forget_identity();
+  requests_->clear({ErrorKind::kUnplugged, "the link to the board is lost"});
+  flush();
 }
 
-void Session::begin_anew() {
-  drop_jobs({ErrorKind::kIo, "the board is identified anew"});
+/// Forgets the board and identifies it again. The caller enters the state.
+void Session::restart() {
+  requests_->clear({ErrorKind::kIo, "the board is being identified again"});
   decoder_.reset();
-  assembler_.reset(assembled_);
-  deliver();
-  sets_.reset(complete_);
-  deliver();
-  pairs_.clear();
-  clock_.reset();
+  flush();
+  receiver_.forget_board();
   board_time_.reset();
-  identity_.reset();
-  meshes_ = {};
-  tags_.clear();
   next_poll_ = now_ + options_.poll;
-  identify();
+  configurator_->restart();
 }
 
-void Session::failed(const Error& error) {
-  if (error.kind == ErrorKind::kIncompatible || ++attempts_ >= kAttempts) {
-    if (refusal_ != error.message) notes_.push_back(error.message);
-    refusal_ = error.message;
-    refused_as_ = error.kind;
+void Session::fail(const Error& error) {
+  if (error.kind == ErrorKind::kIncompatible || ++failures_ >= kMaxFailures) {
+    if (refusal_.message != error.message) notes_.push_back(error.message);
+    refusal_ = error;
     next_retry_ = now_ + options_.retry;
-    drop_jobs(error);
-    tags_.clear();
-    state_ = LinkState::kRefused;
-    return;
+    requests_->clear(error);
+    configurator_->tags().clear();
+    return enter(LinkEvent::kRefused);
   }
   notes_.push_back(error.message + "; trying again");
-  begin_anew();
+  enter(LinkEvent::kRestarted);
+  restart();
 }
 
-void Session::set_desired_state(const DesiredState& wanted) {
-  const auto same = [](const GatewareConfiguration& a, const GatewareConfiguration& b) {
-    const auto equal = [](const RegisterWrite& x, const RegisterWrite& y) {
-      return x.address == y.address && x.value == y.value;
-    };
-    return a.mesh == b.mesh && std::equal(a.registers.begin(), a.registers.end(),
-                                          b.registers.begin(), b.registers.end(), equal);
-  };
-  const bool new_configuration =
-      wanted.configuration && (!desired_.configuration || wanted.tag != desired_.tag ||
-                               !same(*wanted.configuration, *desired_.configuration));
-  configuration_stale_ |= new_configuration;
-  streams_stale_ |=
-      wanted.streams != desired_.streams || wanted.frame_interval != desired_.frame_interval ||
-      wanted.raw_interval != desired_.raw_interval || wanted.host_input != desired_.host_input ||
-      wanted.mid_exposure != desired_.mid_exposure;
-  desired_ = wanted;
-  if (state_ == LinkState::kRefused && refused_as_ != ErrorKind::kIncompatible &&
-      new_configuration) {
-    attempts_ = 0;
-    begin_anew();
+void Session::step(const Trouble& trouble) {
+  // Read first: restart() delivers the frames in flight, which are no sign that the link works.
+  const WatchdogStep step = watchdog_.next_step();
+  enter(LinkEvent::kRestarted);
+  restart();
+  watchdog_.take(step, trouble, now_);
+  step_ = step;
+  notes_.push_back(fmt::format("{}: {}", trouble.text, name(step)));
+}
+
+void Session::set_desired_state(const DesiredState& desired) {
+  const bool is_new = configurator_->set_desired_state(desired);
+  if (is_new && state_ == LinkState::kRefused && refusal_.kind != ErrorKind::kIncompatible) {
+    failures_ = 0;
+    enter(LinkEvent::kRestarted);
+    restart();
   }
 }
 
 LinkTrouble Session::trouble() const {
+  const LinkTrouble watchdog = watchdog_.trouble().kind;
   switch (state_) {
     case LinkState::kClosed:
       return LinkTrouble::kNotOpened;
     case LinkState::kRefused:
-      return refused_as_ == ErrorKind::kIncompatible ? LinkTrouble::kIncompatible
-                                                     : LinkTrouble::kRejected;
+      return refusal_.kind == ErrorKind::kIncompatible ? LinkTrouble::kIncompatible
+                                                       : LinkTrouble::kRejected;
     case LinkState::kIdentifying:
-      return watchdog_trouble_ == LinkTrouble::kNone ? LinkTrouble::kIdentifying
-                                                     : watchdog_trouble_;
+      return watchdog != LinkTrouble::kNone ? watchdog : LinkTrouble::kIdentifying;
     case LinkState::kConfiguring:
-      if (watchdog_trouble_ != LinkTrouble::kNone) return watchdog_trouble_;
-      return jobs_.empty() ? LinkTrouble::kUnconfigurable : LinkTrouble::kConfiguring;
-    default:
-      return watchdog_trouble_;
+      if (watchdog != LinkTrouble::kNone) return watchdog;
+      return requests_->empty() ? LinkTrouble::kUnconfigurable : LinkTrouble::kConfiguring;
+    case LinkState::kReady:
+    case LinkState::kStreaming:
+      return watchdog;
   }
+  return watchdog;
 }
 
 std::string Session::trouble_text() const {
@@ -111,7 +121,7 @@ std::string Session::trouble_text() const {
       return "";
     case LinkTrouble::kIncompatible:
     case LinkTrouble::kRejected:
-      return refusal_;
+      return refusal_.message;
     case LinkTrouble::kIdentifying:
       return "the board is being identified";
     case LinkTrouble::kConfiguring:
@@ -120,55 +130,66 @@ std::string Session::trouble_text() const {
       return "the board waits for a configuration that it can hold";
     case LinkTrouble::kSilent:
     case LinkTrouble::kStalled:
-      return watchdog_text_;
+      return watchdog_.trouble().text;
     default:
       return "no board";
   }
 }
 
-std::optional<std::uint64_t> Session::configured() const {
-  const auto after = tags_.upper_bound(configuration_);
-  if (configuration_stale_ || after == tags_.begin() || after != tags_.end()) return std::nullopt;
-  return std::prev(after)->second;
+SessionCounters Session::counters() const {
+  SessionCounters counters;
+  counters.requests = requests_->sent_count();
+  counters.retries = requests_->retry_count();
+  counters.configurations = configurator_->applied_count();
+  counters.unknown_configurations = receiver_.unknown_configurations();
+  counters.steps = watchdog_.steps();
+  return counters;
 }
+
+// What the session hands over.
 
 std::optional<WatchdogStep> Session::take_step() { return std::exchange(step_, std::nullopt); }
 
-std::vector<ReceivedFrames> Session::take_received() { return std::exchange(received_, {}); }
+std::vector<ReceivedFrames> Session::take_received() {
+  return std::exchange(receiver_.received(), {});
+}
 
-std::vector<std::string> Session::take_notes() { return std::exchange(notes_, {}); }
+std::vector<std::string> Session::take_notes() {
+  std::vector<std::string> notes = std::exchange(notes_, {});
+  std::vector<std::string> more = std::exchange(receiver_.notes(), {});
+  notes.insert(notes.end(), std::make_move_iterator(more.begin()),
+               std::make_move_iterator(more.end()));
+  return notes;
+}
 
-void Session::ask(Request request, Answer answer) {
-  if (state_ == LinkState::kClosed)
-    return answer(Error{ErrorKind::kUnplugged, "there is no board"});
-  jobs_.push_back({std::move(request), {}, std::move(answer), {}});
+void Session::ask(Request request, OnResult on_result) {
+  if (state_ == LinkState::kClosed) {
+    return on_result(Error{ErrorKind::kUnplugged, "there is no board"});
+  }
+  requests_->push_user_request(std::move(request), std::move(on_result));
 }
 
 bool Session::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint64_t frame_id,
                         std::uint64_t timestamp) {
-  if (pair_end_ > sent_) return false;
+  if (pair_end_ > outbox_->sent()) return false;
   cv::Mat pair;
   cv::hconcat(left, right, pair);
   Header frame;
   frame.stream = Stream::kInput;
   frame.frame_id = frame_id;
   frame.timestamp = timestamp;
-  const std::size_t before = outgoing_.size();
-  append_frame(frame, pair, 0, 0, kLinkMaxHostPayloadBytes, sequence_, outgoing_);
-  pair_end_ = queued_ += outgoing_.size() - before;
-  pairs_.emplace_back(frame_id, timestamp);
-  if (pairs_.size() > kKeptPairs) pairs_.pop_front();
+  outbox_->add_frame(frame, pair);
+  pair_end_ = outbox_->queued();
+  receiver_.add_host_pair(frame_id, timestamp);
   return true;
 }
 
 void Session::sent(std::size_t bytes, Time now, double host) {
-  sent_ += bytes;
-  if (!in_flight_ || in_flight_->deadline != Time::max() || sent_ < in_flight_->end) return;
-  in_flight_->deadline = now + options_.answer;
-  if (in_flight_->tries == 1) in_flight_->sent = host;
+  outbox_->mark_sent(bytes);
+  requests_->on_sent(now, host);
 }
 
-// What is sent.
+// Time.
 
 void Session::tick(Time now, double host) {
   now_ = now;
@@ -179,82 +200,31 @@ void Session::tick(Time now, double host) {
     decoder_.discard_partial_packet();
     receive(nullptr, 0, now, host);
   }
-  settle();
-  if (now >= next_poll_ && jobs_.empty()) poll();
-  start_jobs();
-  watch();
-}
-
-void Session::start_jobs() {
-  if (jobs_.empty()) return;
-  if (!in_flight_) {
-    if (now_ < jobs_.front().not_before) return;
-    in_flight_ = InFlight{++next_id_, 1, host_, 0, {}};
-    ++counters_.requests;
-    return send_request();
+  advance();
+  if (now >= next_poll_ && requests_->empty()) poll();
+  if (!requests_->tick(now, host)) {
+    step({LinkTrouble::kSilent, "the board does not answer"});
   }
-  if (now_ < in_flight_->deadline) return;
-  if (in_flight_->tries < options_.tries) {
-    // With the same id: whichever answer comes is the answer. It is no measure of the clock.
-    ++in_flight_->tries;
-    ++counters_.retries;
-    in_flight_->sent = host_ - 1;
-    return send_request();
+  const bool is_streaming = state_ == LinkState::kStreaming;
+  const int interval = configurator_->desired().frame_interval;
+  if (const auto trouble = watchdog_.check(now, is_streaming, interval)) step(*trouble);
+}
+
+void Session::advance() {
+  const bool is_known = state_ != LinkState::kIdentifying && state_ != LinkState::kRefused;
+  if (!is_known || !requests_->empty()) return;
+  switch (configurator_->advance()) {
+    case Configurator::Progress::kStreams:
+      return watchdog_.on_streams_changed(now_, board_.frames_in);
+    case Configurator::Progress::kWorking:
+    case Configurator::Progress::kBlocked:
+      return;
+    case Configurator::Progress::kDone:
+      failures_ = 0;
+      refusal_ = {};
+      return enter(configurator_->desired().streams.empty() ? LinkEvent::kStreamsOff
+                                                            : LinkEvent::kStreamsOn);
   }
-  const Job job = std::move(jobs_.front());
-  jobs_.pop_front();
-  in_flight_.reset();
-  if (job.answer) job.answer(Error{ErrorKind::kTimeout, "the board does not answer"});
-  step(LinkTrouble::kSilent, "the board does not answer");
-}
-
-void Session::send_request() {
-  const Request& request = jobs_.front().request;
-  Header header;
-  header.type = request.type;
-  header.index = in_flight_->id;
-  header.sequence = sequence_++;
-  const std::size_t before = outgoing_.size();
-  append_packet(header, request.payload.data(), request.payload.size(), outgoing_);
-  in_flight_->end = queued_ += outgoing_.size() - before;
-  in_flight_->deadline = Time::max();
-}
-
-void Session::drop_jobs(const Error& error) {
-  const std::deque<Job> jobs = std::exchange(jobs_, {});
-  in_flight_.reset();
-  for (const Job& job : jobs) {
-    if (job.answer) job.answer(error);
-  }
-}
-
-// The watchdog.
-
-bool Session::stalled() const {
-  if (state_ != LinkState::kStreaming || now_ - last_frame_ < options_.stall) return false;
-  const auto allowed = static_cast<std::uint32_t>(options_.periods * desired_.frame_interval);
-  return board_.frames_in - input_at_frame_ > allowed;
-}
-
-void Session::watch() {
-  if (now_ < next_step_) return;
-  if (now_ - last_packet_ > options_.silence)
-    return step(LinkTrouble::kSilent, "nothing comes from the board");
-  if (stalled()) step(LinkTrouble::kStalled, "the board takes images, and no frame comes");
-}
-
-void Session::step(LinkTrouble trouble, const std::string& why) {
-  // First: what is under way comes out of it, and is no sign that the line works.
-  const int rung = ladder_;
-  begin_anew();
-  watchdog_trouble_ = trouble;
-  watchdog_text_ = why;
-  step_ = static_cast<WatchdogStep>(rung);
-  ladder_ = std::min(rung + 1, kNumWatchdogSteps - 1);
-  ++counters_.steps[static_cast<std::size_t>(*step_)];
-  notes_.push_back(why + ": " + name(*step_));
-  next_step_ = now_ + options_.step;
-  last_packet_ = now_;
 }
 
 }  // namespace fpga_stereo::link

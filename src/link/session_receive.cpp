@@ -1,8 +1,7 @@
-// What a session makes of the bytes that come.
-#include <algorithm>
-#include <string>
+// How a session handles what arrives: answers, polled counters, frames.
 #include <utility>
 
+#include "link/register_values.hpp"
 #include "link/session.hpp"
 
 namespace fpga_stereo::link {
@@ -17,10 +16,9 @@ void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, dou
 
 void Session::take(const Packet& packet) {
   if (state_ == LinkState::kClosed) return;
-  last_packet_ = now_;
+  watchdog_.on_packet(now_);
   if (packet.header.version != kVersion) {
-    failed({ErrorKind::kIncompatible, version_text(packet.header.version)});
-    return;
+    return fail({ErrorKind::kIncompatible, version_text(packet.header.version)});
   }
   switch (packet.header.type) {
     case PacketType::kRegisters:
@@ -30,104 +28,86 @@ void Session::take(const Packet& packet) {
     case PacketType::kLeader:
     case PacketType::kRows:
     case PacketType::kTrailer:
-      // Before the board is configured nothing is known about what made a frame.
-      if (tags_.empty() || packet.header.stream == Stream::kInput) return;
-      last_frame_ = now_;
-      frame_came_ = true;
-      assembler_.add(packet, assembled_);
-      if (packet.header.type == PacketType::kLeader &&
-          assembler_.frame_in_flight(packet.header.stream) == packet.header.frame_id) {
-        sets_.begin(packet.header.stream, packet.header.frame_id);
-      }
-      return;
+      // Until the board is configured, nobody knows what made a frame.
+      if (configurator_->tags().empty() || packet.header.stream == Stream::kInput) return;
+      watchdog_.on_frame_packet(now_);
+      return receiver_.add(packet);
     default:
       return;
   }
 }
 
 Status Session::check_clock(std::uint64_t board_time) {
-  const std::uint64_t before = board_time_.value_or(board_time);
-  board_time_ = board_time;
-  // The clock wraps; what is less than half of that ahead is later.
-  if (static_cast<std::int64_t>(board_time - before) >= 0) return {};
-  return Error{ErrorKind::kIo, kWasReset};
+  const std::uint64_t last = std::exchange(board_time_, board_time).value_or(board_time);
+  // The clock may wrap: up to half of its range ahead is later.
+  if (static_cast<std::int64_t>(board_time - last) >= 0) return {};
+  return Error{ErrorKind::kIo, kBoardWasReset};
 }
 
 void Session::take_answer(const Packet& packet) {
-  if (!in_flight_ || packet.header.index != in_flight_->id) return;  // a late one
-  if (const Status same = check_clock(packet.header.timestamp); !same) {
-    if (state_ == LinkState::kRefused) attempts_ = 0;  // it may have been seen to
-    return failed(same.error());
+  if (!requests_->is_answer(packet)) return;
+  if (const Status status = check_clock(packet.header.timestamp); !status) {
+    if (state_ == LinkState::kRefused) failures_ = 0;  // the reset may have cured the board
+    return fail(status.error());
   }
-  if (clock_.add(in_flight_->sent, packet.header.timestamp, host_)) unstamped_ = false;
-  const Job job = std::move(jobs_.front());
-  const bool read = job.request.type == PacketType::kReadRegisters;
-  Result<std::vector<RegisterWrite>> result{std::vector<RegisterWrite>{}};
-  if (packet.header.type == PacketType::kRefused) {
-    result = Error{ErrorKind::kIo, "the board refuses a request: " + refusal_text(packet)};
-  } else if (read) {
-    const auto values = unpack_registers(packet);
-    bool expected = values && values->size() * 4 == job.request.payload.size();
-    for (std::size_t i = 0; expected && i < values->size(); ++i) {
-      expected = (*values)[i].address == get_u32(&job.request.payload[4 * i]);
-    }
-    if (!expected) {  // it is sent again in time
-      jobs_.front() = job;
-      return;
-    }
-    result = *values;
-  } else if (packet.header.type != PacketType::kWritten) {
-    jobs_.front() = job;
-    return;
+  receiver_.add_round_trip(requests_->sent_at(), packet.header.timestamp, host_);
+  const Status status = requests_->complete(packet, now_);
+  if (!status) return fail(status.error());
+  if (state_ == LinkState::kIdentifying && configurator_->is_identified()) {
+    enter(LinkEvent::kIdentified);
   }
-  in_flight_.reset();
-  jobs_.pop_front();
-  if (job.answer) {
-    job.answer(std::move(result));
-  } else if (!result) {
-    failed(result.error());
-  } else if (const Status status = job.done(*result); !status) {
-    failed(status.error());
+  if (const auto values = configurator_->take_polled()) {
+    if (const Status polled = take_poll(*values); !polled) fail(polled.error());
   }
 }
 
-bool Session::is_hosts(const FrameSet& set) const {
-  return std::find(pairs_.begin(), pairs_.end(), PairKey{set.frame_id, set.timestamp}) !=
-         pairs_.end();
+void Session::poll() {
+  next_poll_ = now_ + options_.poll;
+  if (state_ == LinkState::kRefused) {
+    // An incompatible board may be flashed while its link stays open.
+    if (refusal_.kind == ErrorKind::kIncompatible) {
+      enter(LinkEvent::kRestarted);
+      return configurator_->identify();
+    }
+    // Other refusals may pass: a frame that did not end, resets by a weak power supply.
+    if (now_ >= next_retry_) {
+      enter(LinkEvent::kRestarted);
+      return restart();
+    }
+  }
+  configurator_->poll();
+}
+
+Status Session::take_poll(const RequestQueue::Values& values) {
+  const bool is_set_up = state_ == LinkState::kReady || state_ == LinkState::kStreaming;
+  if (is_set_up && !configurator_->matches(values)) {
+    if (configurator_->is_stale()) return {};
+    return Error{ErrorKind::kIo, kBoardWasReset};
+  }
+  board_.errors = value_of(values, spec::kRegErrors);
+  board_.frames_in = value_of(values, spec::kRegFramesIn);
+  board_.frames_out = value_of(values, spec::kRegFramesOut);
+  board_.cut_frames = value_of(values, spec::kRegCutFrames);
+  board_.long_frames = value_of(values, spec::kRegLongFrames);
+  board_.buffer_errors = value_of(values, spec::kRegBufferErrors);
+  board_.frames_dropped = value_of(values, spec::kRegFramesDropped);
+  board_.bad_packets = value_of(values, spec::kRegBadPackets);
+  board_.lost_packets = value_of(values, spec::kRegLostPackets);
+  board_.input_errors = value_of(values, spec::kRegInputErrors);
+  watchdog_.on_poll(board_.frames_in, state_ == LinkState::kStreaming);
+  return {};
+}
+
+Receiver::Context Session::context() const {
+  return {configurator_->desired().streams, configurator_->tags(), host_};
 }
 
 void Session::deliver() {
-  for (AssembledFrame& frame : assembled_) {
-    sets_.add(std::move(frame), desired_.streams, complete_);
-  }
-  assembled_.clear();
-  for (FrameSet& set : complete_) {
-    const auto after = tags_.upper_bound(set.configuration);
-    if (after == tags_.begin()) {
-      ++counters_.unknown_configurations;
-      notes_.push_back("frame dropped: it was made by configuration " +
-                       std::to_string(set.configuration) + ", which is not ours");
-      continue;
-    }
-    ReceivedFrames received{std::move(set), std::prev(after)->second, host_, host_};
-    if (is_hosts(received.set)) {
-      received.stamp = static_cast<double>(received.set.timestamp) * 1e-6;
-    } else if (const auto stamp = clock_.to_host(received.set.timestamp)) {
-      received.stamp = *stamp;
-    } else if (!unstamped_) {
-      unstamped_ = true;
-      notes_.push_back(
-          "no round trip to the board takes less than 10 ms: stamps are times of "
-          "arrival");
-    }
-    const auto& images = received.set.images;
-    if (std::any_of(images.begin(), images.end(), [](const cv::Mat& i) { return !i.empty(); })) {
-      watchdog_trouble_ = LinkTrouble::kNone;
-      ladder_ = 0;
-    }
-    received_.push_back(std::move(received));
-  }
-  complete_.clear();
+  if (receiver_.deliver(context())) watchdog_.on_success();
+}
+
+void Session::flush() {
+  if (receiver_.flush(context())) watchdog_.on_success();
 }
 
 }  // namespace fpga_stereo::link

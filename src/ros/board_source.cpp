@@ -71,9 +71,7 @@ link::Device::Options BoardSource::device_options() {
 
 link::Device::Callbacks BoardSource::device_callbacks() {
   link::Device::Callbacks callbacks;
-  callbacks.received = [this](const std::vector<Received>& sets) {
-    for (const Received& received : sets) on_received(received);
-  };
+  callbacks.received = [this](const Received& received) { on_received(received); };
   callbacks.identified = [this](const link::Identity& identity) { on_identified(identity); };
   callbacks.closed = [this] { on_closed(); };
   callbacks.note = [](const std::string& note) {

@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
 
 #include "link/session_rig.hpp"
 #include "sim/virtual_board/board_line.hpp"
@@ -27,14 +31,17 @@ class Rig {
     options.session.step = milliseconds(50);
     options.session.answer = milliseconds(100);
     Device::Callbacks callbacks;
-    callbacks.received = [this](std::vector<link::ReceivedFrames> sets) {
+    callbacks.received = [this](const link::ReceivedFrames& frames) {
+      if (const auto act = on_frames.get()) act();
       const std::lock_guard<std::mutex> lock(mutex_);
-      for (link::ReceivedFrames& r : sets) {
-        if (!same("disparity", expected_, r.set.image(Stream::kDisparity))) ++wrong_;
-        ++good_;
-      }
+      if (!same("disparity", expected_, frames.set.image(Stream::kDisparity))) ++wrong_;
+      ++good_;
     };
-    callbacks.identified = [this](const link::Identity&) { ++identified; };
+    callbacks.identified = [this](const link::Identity&) {
+      ++identified;
+      add_event('i');
+    };
+    callbacks.closed = [this] { add_event('c'); };
     callbacks.note = [this](const std::string& note) {
       const std::lock_guard<std::mutex> lock(mutex_);
       notes_.push_back(note);
@@ -75,6 +82,11 @@ class Rig {
     const std::lock_guard<std::mutex> lock(mutex_);
     return notes_;
   }
+  /// Returns an i for each identified board and a c for each closed link, in order.
+  std::string events() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return events_;
+  }
   template <class Condition>
   static bool wait(const Condition& condition) {
     for (int i = 0; i < 10000; ++i) {
@@ -92,12 +104,37 @@ class Rig {
   std::unique_ptr<Device> device;
   std::atomic<int> identified{0};
 
+  /// A function that another thread may set; called for each frame set, before it counts.
+  class Hook {
+   public:
+    Hook& operator=(std::function<void()> function) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      function_ = std::move(function);
+      return *this;
+    }
+    std::function<void()> get() const {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return function_;
+    }
+
+   private:
+    mutable std::mutex mutex_;
+    std::function<void()> function_;
+  };
+  Hook on_frames;
+
  private:
+  void add_event(char event) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    events_ += event;
+  }
+
   sim::GreyPair pair_ = SessionRig::pair(1);
   cv::Mat1w expected_ = SessionRig::expected(pair_, SessionRig::setting(4));
   mutable std::mutex mutex_;
   int good_ = 0, wrong_ = 0;
   std::vector<std::string> notes_;
+  std::string events_;
   std::atomic<bool> stop_{false};
   std::thread feeder_;
 };
@@ -188,6 +225,102 @@ TEST(Device, AnswersOthersWhileItStreams) {
   }
   for (std::thread& t : threads) t.join();
   EXPECT_EQ(right, 60);
+}
+
+/// Blocks the delivery thread in a callback until it is opened.
+class Gate {
+ public:
+  void wait() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    is_reached_ = true;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return is_open_; });
+  }
+  void wait_until_reached() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return is_reached_; });
+  }
+  void open() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_open_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_reached_ = false, is_open_ = false;
+};
+
+TEST(Device, ABlockedCallbackDoesNotStopTheLink) {
+  Rig rig;
+  Gate gate;
+  rig.want();
+  ASSERT_TRUE(rig.wait_for_frames(3));
+  rig.on_frames = [&] { gate.wait(); };
+  gate.wait_until_reached();
+  const auto before = rig.device->snapshot();
+  ASSERT_TRUE(Rig::wait([&] { return rig.device->snapshot().undelivered > 5; })) << "counted";
+  const auto values = rig.device->read_registers({spec::kRegSpecHash});
+  ASSERT_TRUE(values);
+  EXPECT_EQ((*values)[0].value, kSpecHash);
+  const auto after = rig.device->snapshot();
+  EXPECT_EQ(after.state, link::LinkState::kStreaming);
+  EXPECT_EQ(after.times_opened, 1U);
+  EXPECT_GT(after.frames.good, before.frames.good + 5);
+  rig.on_frames = nullptr;
+  gate.open();
+  ASSERT_TRUE(rig.wait_for_frames(10));
+  EXPECT_EQ(rig.wrong(), 0);
+}
+
+TEST(Device, CallbacksMayUseTheDevice) {
+  Rig rig;
+  std::atomic<bool> is_read{false};
+  rig.want();
+  ASSERT_TRUE(rig.wait_for_frames(1));
+  rig.on_frames = [&] {
+    const auto values = rig.device->read_registers({spec::kRegSpecHash});
+    rig.device->snapshot();
+    rig.want();
+    if (values && (*values)[0].value == kSpecHash) is_read = true;
+  };
+  EXPECT_TRUE(Rig::wait([&] { return is_read.load(); }));
+}
+
+TEST(Device, DestructorWaitsForTheCallbackThatRuns) {
+  auto rig = std::make_unique<Rig>();
+  Gate gate;
+  std::atomic<bool> is_over{false};
+  rig->want();
+  ASSERT_TRUE(rig->wait_for_frames(1));
+  rig->on_frames = [&] {
+    gate.wait();
+    is_over = true;
+  };
+  gate.wait_until_reached();
+  std::thread opener([&] {
+    std::this_thread::sleep_for(milliseconds(50));
+    gate.open();
+  });
+  rig->device.reset();
+  EXPECT_TRUE(is_over);
+  opener.join();
+}
+
+TEST(Device, IdentifiedAndClosedAlternate) {
+  Rig rig;
+  rig.want();
+  for (int i = 0; i < 30; ++i) {
+    rig.line.plug(true);
+    ASSERT_TRUE(Rig::wait([&] { return rig.device->snapshot().identity.has_value(); }));
+    rig.line.plug(false);
+    ASSERT_TRUE(Rig::wait([&] { return !rig.device->snapshot().identity; }));
+  }
+  ASSERT_TRUE(Rig::wait([&] { return rig.events().size() >= 2; }));
+  const std::string events = rig.events();
+  EXPECT_EQ(events.find("ii"), std::string::npos) << events;
+  EXPECT_EQ(events.find("ic"), 0U) << events;
 }
 
 TEST(Device, LeavesABoardThatIsSilent) {

@@ -151,7 +151,7 @@ TEST_F(Recording, RefusesOtherFiles) {
   file = header();
   file[8] = 2;
   replay(file, error);
-  EXPECT_NE(error.message.find("is of version 2, this program knows version 1"), std::string::npos)
+  EXPECT_NE(error.message.find("has version 2; this program reads version 1"), std::string::npos)
       << error.message;
   const auto absent = link::open_transport("replay:" + folder_ / "absent");
   ASSERT_FALSE(absent);

@@ -61,12 +61,10 @@ Connection::Connection(const std::string& device, const Patience& patience, cons
     return opened;
   };
   link::Device::Callbacks callbacks;
-  callbacks.received = [this](std::vector<link::ReceivedFrames> received) {
+  callbacks.received = [this](link::ReceivedFrames frames) {
     const double now = system_time();
     const std::lock_guard lock(mutex_);
-    for (auto& frames : received) {
-      if (arrived_.size() < kMostArrived) arrived_.push_back({std::move(frames), now});
-    }
+    if (arrived_.size() < kMostArrived) arrived_.push_back({std::move(frames), now});
     came_.notify_all();
   };
   callbacks.identified = [](const link::Identity&) {};

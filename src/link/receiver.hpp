@@ -1,0 +1,67 @@
+// From the packets of frames to frame sets with configuration tags and host time.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fpga_stereo/link/frame_set.hpp"
+#include "link/configuration_tags.hpp"
+#include "link/frame_assembler.hpp"
+#include "link/frame_set_collector.hpp"
+#include "link/time_sync.hpp"
+
+namespace fpga_stereo::link {
+
+class Receiver {
+ public:
+  explicit Receiver(bool keep_incomplete) : assembler_(FrameAssembler::Options{keep_incomplete}) {}
+
+  /// Adds a leader, rows or a trailer.
+  void add(const Packet& packet);
+  /// Adds a round trip to the clock. `sent` and `received`: s, host.
+  void add_round_trip(double sent, std::uint64_t board_us, double received);
+  /// Remembers a pair that the host sends, to recognise frames that were made from it.
+  void add_host_pair(std::uint64_t frame_id, std::uint64_t timestamp);
+
+  struct Context {
+    StreamSet expected;             // that a complete frame set has
+    const ConfigurationTags& tags;  // frame sets of other configurations are dropped
+    double host;                    // s, host: now
+  };
+  /// Moves the frame sets that are complete to received(). Returns true if an image is among them.
+  bool deliver(const Context& context);
+  /// As deliver(), but ends the frames in flight and moves incomplete frame sets, too. For a link
+  /// that was lost, or a board that is identified again.
+  bool flush(const Context& context);
+  /// Forgets host pairs and the board's clock.
+  void forget_board();
+
+  /// Frame sets delivered since they were last taken; the caller takes them out.
+  std::vector<ReceivedFrames>& received() { return received_; }
+  /// Messages for people; the caller takes them out.
+  std::vector<std::string>& notes() { return notes_; }
+  const FrameCounters& frame_counters() const { return assembler_.counters(); }
+  const TimeSync& clock() const { return clock_; }
+  std::uint64_t unknown_configurations() const { return unknown_configurations_; }
+
+ private:
+  using PairKey = std::pair<std::uint64_t, std::uint64_t>;  // frame_id, timestamp
+
+  void set_stamp(ReceivedFrames& frames);
+
+  FrameAssembler assembler_;
+  FrameSetCollector collector_;
+  TimeSync clock_;
+  std::vector<AssembledFrame> assembled_;
+  std::vector<FrameSet> complete_;
+  std::vector<ReceivedFrames> received_;
+  std::vector<std::string> notes_;
+  std::deque<PairKey> host_pairs_;  // the last ones
+  std::uint64_t unknown_configurations_ = 0;
+  bool has_noted_missing_clock_ = false;
+};
+
+}  // namespace fpga_stereo::link
