@@ -60,7 +60,7 @@ class Rig {
     device.reset();
   }
 
-  void want() {
+  static link::DesiredState desired() {
     link::DesiredState wanted;
     const auto setting = SessionRig::setting(4);
     wanted.configuration =
@@ -68,8 +68,9 @@ class Rig {
             SessionRig::small_board().build, setting.parameters, setting.rectification));
     wanted.tag = 4;
     wanted.streams = Stream::kDisparity;
-    device->set_desired_state(wanted);
+    return wanted;
   }
+  void want() { device->set_desired_state(desired()); }
   int good() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return good_;
@@ -253,8 +254,8 @@ class Gate {
 };
 
 TEST(Device, ABlockedCallbackDoesNotStopTheLink) {
-  Rig rig;
   Gate gate;
+  Rig rig;
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(3));
   rig.on_frames = [&] { gate.wait(); };
@@ -275,15 +276,14 @@ TEST(Device, ABlockedCallbackDoesNotStopTheLink) {
 }
 
 TEST(Device, CallbacksMayUseTheDevice) {
-  Rig rig;
   std::atomic<bool> is_read{false};
+  Rig rig;
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(1));
-  rig.on_frames = [&] {
-    const auto values = rig.device->read_registers({spec::kRegSpecHash});
-    rig.device->snapshot();
-    rig.want();
-    if (values && (*values)[0].value == kSpecHash) is_read = true;
+  rig.on_frames = [&is_read, device = rig.device.get()] {
+    const auto values = device->read_registers({spec::kRegSpecHash});
+    device->set_desired_state(Rig::desired());
+    if (values && (*values)[0].value == kSpecHash && device->snapshot().identity) is_read = true;
   };
   EXPECT_TRUE(Rig::wait([&] { return is_read.load(); }));
 }
