@@ -192,8 +192,9 @@ void SoftwareBoard::refuse(const Header& request, std::uint32_t why) {
 void SoftwareBoard::write(std::uint32_t address, std::uint32_t value) {
   if (address >= registers_.size() || options_.wrong.count(address) != 0) return;
   std::uint32_t& held = registers_[address];
-  const bool in_shadow = (address >= spec::kRegWidth && address <= spec::kRegSpeckleRange) ||
-                         address == spec::kRegMeshData;
+  const bool in_shadow =
+      (address >= spec::kConfigurationBegin && address < spec::kConfigurationEnd) ||
+      address == spec::kRegMeshData;
   if (in_shadow) registers_[spec::kRegStatus] = 0;  // an apply that waits is withdrawn
   if (address == spec::kRegMeshData) {
     const std::uint32_t at = registers_[spec::kRegMeshAddress];

@@ -106,6 +106,10 @@ namespace spec {{
 /// Returns all registers in ascending address order.
 const std::vector<Register>& register_table();
 
+/// Configuration registers: addresses from the first one up to, but without, the end.
+constexpr std::uint32_t kConfigurationBegin = 0x{digits(spec['configuration'][0]['address'], 8)};
+constexpr std::uint32_t kConfigurationEnd = 0x{digits(spec['configuration'][-1]['address'] + 1, 8)};
+
 // Word addresses, reset values, fields.
 
 {chr(10).join(registers)}

@@ -159,6 +159,10 @@ struct Register {
 /// Returns all registers in ascending address order.
 const std::vector<Register>& register_table();
 
+/// Configuration registers: addresses from the first one up to, but without, the end.
+constexpr std::uint32_t kConfigurationBegin = 0x10;
+constexpr std::uint32_t kConfigurationEnd = 0x18;
+
 // Word addresses, reset values, fields.
 
 constexpr std::uint32_t kRegIdentity = 0x00;
