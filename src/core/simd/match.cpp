@@ -21,7 +21,7 @@ void window_sums(const std::int16_t* columns, int radius, const WindowSums& bloc
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   const auto* first = reinterpret_cast<const std::uint16_t*>(columns);
   const std::ptrdiff_t window = static_cast<std::ptrdiff_t>(2 * radius + 1) * sums.lanes;
-  // A lane group of all columns, then the next: the sums stay in registers.
+  // Processes all columns for one lane group, then the next, so that the sums stay in registers.
   for (int i = 0; i < sums.lanes; i += kLaneGroup) {
     const std::uint16_t* previous = sums.column(sums.begin - 1) + i;
     const std::uint16_t* entering =
@@ -72,7 +72,7 @@ void Match::start(const CensusPlanes& left, const CensusPlanes& right, const Par
   columns_ = 0;
   column_ = columns_[0] + static_cast<std::ptrdiff_t>(radius_ + 1) * lanes;
 
-  // select reads a block and the columns to the left of it that right pixels still need.
+  // The ring holds a block and the columns before it that right winners still depend on.
   int rows = 1;
   while (rows < lanes + kLaneGroup + kBlockColumns) rows *= 2;
   const int pitch = lanes + kLaneGroup;
@@ -83,8 +83,8 @@ void Match::start(const CensusPlanes& left, const CensusPlanes& right, const Par
   for (int y = std::max(0, first_row - radius_); y < first_row + radius_; ++y) enter(y, 0, width);
 }
 
-/// Adds columns `begin` .. `end` - 1 of row `y` to the column sums. The row that leaves the window
-/// is subtracted at the same time: they are one window height apart and share their distances'
+/// Adds columns `begin` .. `end` - 1 of row `y` to the column sums. The same step subtracts the row
+/// that leaves the window: it is one window height above, and its distances are stored in the same
 /// place.
 void Match::enter(int y, int begin, int end) {
   std::uint8_t* distances = distances_[y % window_];

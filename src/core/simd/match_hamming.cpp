@@ -17,7 +17,7 @@ using Group = hn::CappedTag<std::uint8_t, kLaneGroup>;
 using TwoGroups = hn::CappedTag<std::uint8_t, std::size_t{2} * kLaneGroup>;
 
 #if HWY_TARGET == HWY_AVX3_DL
-constexpr bool kHasPopulationCount = true;  // as one instruction
+constexpr bool kHasPopulationCount = true;  // PopulationCount is one instruction
 #else
 constexpr bool kHasPopulationCount = false;
 #endif
@@ -194,9 +194,8 @@ HWY_INLINE void hamming_planes(const HammingRow& row, int begin, int end, std::u
 
 void hamming_distances(const HammingRow& row, int begin, int end, std::uint8_t* distances,
                        std::int16_t* columns) {
-  // These are the numbers of planes of all windows and patterns. Only the usual ones, 3 and 15,
-  // have code without edges of their own: with all of them, sanitizers take minutes to compile this
-  // file.
+  // These are the numbers of planes that census windows and patterns lead to. Only the usual ones,
+  // 3 and 15, get code without edges: with more, sanitizers take minutes to compile this file.
   switch (row.planes) {
     case 1:
       return hamming_with_edges<1>(row, begin, end, distances, columns);

@@ -48,7 +48,7 @@ void Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
   out.disparity = disparity_.image;
 }
 
-/// Runs four stages on each row while it is in the cache.
+/// Runs match, select, check and subpixel on each row while it is in the cache.
 void Pipeline::match_to_subpixel(const Parameters& p, cv::Range rows, Band& band) {
   const SelectionRow& selection = band.selection.row();
   band.match.start(left_.bits, right_.bits, p, rows.start);
@@ -81,7 +81,7 @@ void Pipeline::create(cv::Size size, const Parameters& p, int num_threads) {
   disparity_.create(size);
 }
 
-/// Splits the wall-clock time of four stages as the threads' timed rows suggest.
+/// Splits the wall-clock time of match to subpixel in the proportions of the rows that were timed.
 void Pipeline::share_time(double wall, StageTimes& ms) const {
   StageTimes sum{};
   for (const Band& band : bands_) {

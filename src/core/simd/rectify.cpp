@@ -23,7 +23,8 @@ struct Source {
   V32 x, y;  // 1/32 px of the raw image
 };
 
-/// Computes MeshRow::source of the lanes `first` and following of the cell at column x.
+/// Computes MeshRow::source for the pixels from x + first on, a lane each, in the cell that starts
+/// at column x.
 HWY_INLINE Source source(const cv::Point* columns, int x, int y, int first) {
   const D32 d;
   const int cell = x / kMeshPitch;
@@ -104,7 +105,7 @@ struct Weights {
   }
 };
 
-/// Interpolates between the columns of a raw row; in 1/32.
+/// Interpolates between the columns of a raw row. Returns eight values in 1/32.
 HWY_INLINE V16 interpolate_columns(VBytes raw, const Weights& w) {
   const D16 d;
   const hn::RebindToUnsigned<D16> du;
@@ -114,7 +115,7 @@ HWY_INLINE V16 interpolate_columns(VBytes raw, const Weights& w) {
   return hn::Add(hn::ShiftLeft<kSourceShift>(a), hn::Mul(hn::Sub(b, a), w.wx));
 }
 
-/// Computes one channel of a cell from the kRows rows of it.
+/// Computes one channel of a cell from its kRows raw rows.
 HWY_INLINE hn::Vec<CellBytes> interpolate(VBytes row0, VBytes row1, VBytes row2, const Weights& w) {
   const D16 d;
   const auto first = interpolate_columns(row0, w);
@@ -123,9 +124,9 @@ HWY_INLINE hn::Vec<CellBytes> interpolate(VBytes row0, VBytes row1, VBytes row2,
   const auto second_row = hn::Gt(w.wy, hn::Set(d, kSecondRow - 1));
   const auto upper = hn::IfThenElse(second_row, middle, first);
   const auto lower = hn::IfThenElse(second_row, last, middle);
-  // (32 upper + (lower - upper) wy + 512) >> 10. The division by 32 may come first, as it floors as
-  // well; the high half of 4 (lower - upper) 512 wy is it, and fits into 16 bits. The shift removes
-  // kSecondRow from wy.
+  // The result is (32 upper + (lower - upper) wy + 512) >> 10. Dividing by 32 first does not change
+  // it, because both divisions round down: (upper + ((lower - upper) wy >> 5) + 16) >> 5. The high
+  // half of 4 (lower - upper) 512 wy is the inner shift. Shifting wy left drops kSecondRow.
   const auto product = hn::MulHigh(hn::ShiftLeft<2>(hn::Sub(lower, upper)), hn::ShiftLeft<9>(w.wy));
   const auto sum = hn::Add(hn::Add(upper, hn::Set(d, kSourceScale / 2)), product);
   return hn::DemoteTo(CellBytes(), hn::ShiftRight<kSourceShift>(sum));
@@ -149,7 +150,7 @@ HWY_INLINE void rectify_cell(const std::uint8_t* raw, std::ptrdiff_t pitch, cons
   }
 }
 
-/// Rectifies `count` cells of a row. Returns the number of those left out, as they are scattered.
+/// Rectifies the cells of a row that are not scattered. Returns the number of scattered cells.
 template <int kChannels>
 HWY_INLINE int rectify_channels(const cv::Mat& raw, const SourceCell* cells, int count,
                                 std::uint8_t* out) {
@@ -193,7 +194,8 @@ bool is_equal(const Mesh& a, const Mesh& b) {
 
 int cells_per_row(const Mesh& mesh) { return mesh.size.width / kMeshPitch; }
 
-/// Rectifies a row by its cells, and without SIMD the pixels of scattered cells and of the rest.
+/// Rectifies a row: most cells by SIMD; scattered cells and the pixels after the last whole cell by
+/// scalar code.
 void rectify_row(const cv::Mat& raw, const SourceCell* cells, const Mesh& mesh, int y,
                  std::uint8_t* out) {
   const int count = cells_per_row(mesh);

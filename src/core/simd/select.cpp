@@ -48,7 +48,7 @@ HWY_INLINE VBlock fold(D /*d*/, hn::Vec<D> v) {
   }
 }
 
-/// In each block, returns lanes of `a` and `b` in turns, each the extreme of two lanes.
+/// Returns, for each block, the extremes of pairs of lanes of `a` and of `b`, interleaved.
 template <class Extreme>
 HWY_INLINE V16 pair(V16 a, V16 b) {
   const D16 d;
@@ -92,7 +92,7 @@ constexpr auto kLaneNumbers = [] {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint16_t>(i + 1);
   return values;
 }();
-/// kMaxSum at a winner in lane 256 and at its neighbours, to exclude them from the runners-up.
+/// kMaxSum at lanes 255 .. 257, to exclude a winner and its neighbours from the runners-up.
 constexpr auto kWinnerMask = [] {
   std::array<std::uint16_t, 2 * 256 + kLaneGroup> values{};
   for (const std::size_t i : {255U, 256U, 257U}) values[i] = kMaxSum;
@@ -279,7 +279,8 @@ void select_right(const WindowSums& sums, int x0, std::uint8_t* right_winner) {
 
 void select(const WindowSums& sums, const SelectionRow& out) {
   select_left(sums, out);
-  // Right pixels in whole lane groups of which all left partners are to the left of column x.
+  // Returns the number of right pixels, in whole lane groups, whose left partners all lie to the
+  // left of column x.
   const auto complete = [&](int x) {
     if (x == sums.width) return sums.width;
     return std::max(0, x - sums.range + 1) / kLaneGroup * kLaneGroup;
