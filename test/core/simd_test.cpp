@@ -2,7 +2,10 @@
 // values that no image gives.
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "core/pipeline_rig.hpp"
+#include "core/simd/stage_timer.hpp"
 #include "core/simd/stages.hpp"
 #include "core/stages.hpp"
 #include "fpga_stereo/core/target.hpp"
@@ -254,6 +257,47 @@ TEST_P(SimdStages, Speckle) {
       }
     }
   }
+}
+
+TEST(SimdLayout, CensusBorderFitsTheLargestWindow) {
+  Parameters p;
+  for (p.census_window_size = 5; validate(p); p.census_window_size += 2) {
+    EXPECT_LE(p.census_window_size / 2, simd::max_census_radius());
+  }
+  EXPECT_EQ(p.census_window_size / 2, simd::max_census_radius() + 1);
+}
+
+TEST(SimdLayout, BordersAreFilledWhenTheSizeChanges) {
+  simd::DisparityImage image;
+  for (const cv::Size size : {cv::Size(5, 3), cv::Size(9, 2)}) {
+    image.create(size);
+    image.image = std::uint16_t{7};
+    image.create(size);
+    EXPECT_EQ(cv::countNonZero(image.image == 7), size.area()) << "contents are kept";
+    EXPECT_EQ(cv::countNonZero(image.all == kNoDisparity), 2 * simd::kBorder * size.height);
+  }
+}
+
+TEST(StageTimer, AddsEachLapToItsStage) {
+  StageTimes ms{};
+  simd::StageTimer timer(ms);
+  for (int i = 0; i < 2; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    timer.lap(Stage::kCensus);
+    timer.lap(Stage::kMatch);
+  }
+  EXPECT_GE(ms[static_cast<std::size_t>(Stage::kCensus)], 2);
+  EXPECT_GT(ms[static_cast<std::size_t>(Stage::kMatch)], 0);
+  EXPECT_EQ(ms[static_cast<std::size_t>(Stage::kRectify)], 0);
+}
+
+TEST(StageTimer, AddsNothingIfDisabled) {
+  StageTimes ms{};
+  simd::StageTimer timer(ms, false);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  timer.lap(Stage::kCensus);
+  EXPECT_EQ(timer.restart(), 0);
+  EXPECT_EQ(ms, StageTimes{});
 }
 
 std::string name_of(const ::testing::TestParamInfo<std::string>& info) { return info.param; }
