@@ -133,18 +133,20 @@ std::optional<StateReport> TopicInput::trouble() const {
     if (!is_subscribed_ || now - std::max(started_, last_pair_) < kSilence) return std::nullopt;
     arrivals = arrivals_;
   }
-  std::string silent;
+  std::vector<std::string> silent;
   bool has_images = true;
   for (int topic = 0; topic < kTopics; ++topic) {
     const ros::WallTime& when = arrivals[topic].when;
     if (!when.isZero() && now - when < kSilence) continue;
     if (topic == kLeftImage || topic == kRightImage) has_images = false;
-    silent += (silent.empty() ? "" : ", ") + nh_.resolveName(kTopicNames[topic]);
+    silent.push_back(nh_.resolveName(kTopicNames[topic]));
   }
   return silent.empty() ? stamps_differ(arrivals) : silent_topics(silent, has_images);
 }
 
-StateReport TopicInput::silent_topics(const std::string& names, bool has_images) const {
+StateReport TopicInput::silent_topics(const std::vector<std::string>& topics,
+                                      bool has_images) const {
+  const std::string names = fmt::format("{}", fmt::join(topics, ", "));
   if (has_images) {
     return {NodeState::kWaitingForCameraInfo, "no camera_info: nothing arrives on " + names};
   }

@@ -16,6 +16,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/thread_safety.hpp"
 #include "ros/demand.hpp"
@@ -66,7 +67,7 @@ class TopicInput {
   /// Notes that the left image with this stamp has found its partners. Returns the demand, or
   /// nullopt if the image is counted as dropped already.
   std::optional<Demand> note_pair(const ros::Time& stamp) FPGA_STEREO_EXCLUDES(mutex_);
-  StateReport silent_topics(const std::string& names, bool has_images) const;
+  StateReport silent_topics(const std::vector<std::string>& topics, bool has_images) const;
   StateReport stamps_differ(const std::array<Arrival, kTopics>& arrivals) const;
 
   ros::NodeHandle nh_, private_nh_;
