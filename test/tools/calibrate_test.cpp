@@ -3,8 +3,8 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "make_bag/camera_info_files.hpp"
 #include "programs.hpp"
-#include "support/files.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -76,8 +76,8 @@ TEST_F(Calibrate, FindsTheCamerasThatDrewTheBoards) {
   EXPECT_NE(run.err.find(at("l/6.png") + ": no board of 7x5"), std::string::npos) << run.err;
   EXPECT_LT(number_after(run.out, "reprojection error: "), 0.2);
   EXPECT_LT(number_after(run.out, "row difference after rectification: "), 0.2);
-  const sensor_msgs::CameraInfo left = read_camera_info(at("left.yaml"));
-  const sensor_msgs::CameraInfo right = read_camera_info(at("right.yaml"));
+  const sensor_msgs::CameraInfo left = read_camera_info_message(at("left.yaml"));
+  const sensor_msgs::CameraInfo right = read_camera_info_message(at("right.yaml"));
   EXPECT_NEAR(left.K[0], 300, 6);
   EXPECT_NEAR(right.K[4], 300, 6);
   EXPECT_NEAR(-right.P[3] / right.P[0], kBaseline, 0.002);

@@ -6,8 +6,8 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
+#include "make_bag/stereo_info.hpp"
 #include "programs.hpp"
-#include "support/stereo_info.hpp"
 
 namespace fpga_stereo::tools {
 namespace {

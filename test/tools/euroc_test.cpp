@@ -4,9 +4,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "make_bag/camera_info_files.hpp"
+#include "support/files.hpp"
 #include "programs.hpp"
 #include "ros/conversions.hpp"
-#include "support/files.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -73,7 +74,7 @@ TEST_F(Euroc, StampsAndCalibration) {
                                             1403715273362142976, 1403715273412142976};
   EXPECT_EQ(stamps(), expected);
   ASSERT_EQ(make_bag({"extract", at("out.bag"), at("out")}).code, 0);
-  const sensor_msgs::CameraInfo right = read_camera_info(at("out/right.yaml"));
+  const sensor_msgs::CameraInfo right = read_camera_info_message(at("out/right.yaml"));
   EXPECT_NEAR(-right.P[3] / right.P[0], 0.25, 1e-9);  // baseline
   EXPECT_EQ(right.K[0], 60);
 }
@@ -111,8 +112,8 @@ TEST_F(Euroc, RealSequence) {
   const Outcome run = create(folder);
   ASSERT_EQ(run.code, 0) << run.err;
   ASSERT_EQ(make_bag({"extract", at("out.bag"), at("out")}).code, 0);
-  const sensor_msgs::CameraInfo left = read_camera_info(at("out/left.yaml"));
-  const sensor_msgs::CameraInfo right = read_camera_info(at("out/right.yaml"));
+  const sensor_msgs::CameraInfo left = read_camera_info_message(at("out/left.yaml"));
+  const sensor_msgs::CameraInfo right = read_camera_info_message(at("out/right.yaml"));
   EXPECT_NEAR(left.P[0], 436.23, 0.01);
   EXPECT_NEAR(left.P[2], 364.44, 0.01);
   EXPECT_NEAR(left.P[6], 256.95, 0.01);

@@ -6,9 +6,9 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "make_bag/camera_info_files.hpp"
 #include "programs.hpp"
 #include "ros/conversions.hpp"
-#include "support/files.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -92,7 +92,7 @@ TEST_F(Extract, GivesBackWhatCreateWasGiven) {
   EXPECT_FALSE(exists("out/disparity"));
   for (const std::string side : {"left", "right"}) {
     const sensor_msgs::CameraInfo& given = side == "left" ? infos.left : infos.right;
-    const sensor_msgs::CameraInfo got = read_camera_info(at("out/" + side + ".yaml"));
+    const sensor_msgs::CameraInfo got = read_camera_info_message(at("out/" + side + ".yaml"));
     EXPECT_TRUE(got.D == given.D && got.K == given.K && got.R == given.R && got.P == given.P);
     EXPECT_EQ(got.distortion_model, given.distortion_model);
     EXPECT_EQ(got.width, given.width);

@@ -8,10 +8,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "make_bag/camera_info_files.hpp"
+#include "make_bag/stereo_info.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
 #include "support/program.hpp"
-#include "support/stereo_info.hpp"
 
 namespace fpga_stereo::tools {
 

@@ -4,9 +4,8 @@
 #include "board/build.hpp"
 #include "board/connection.hpp"
 #include "board/modes.hpp"
-#include "ros/conversions.hpp"
-#include "support/files.hpp"
 #include "support/parameter_options.hpp"
+#include "support/stereo_job.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -49,18 +48,14 @@ void check_usage(const po::variables_map& options) {
   }
 }
 
-StereoRectification read_rectification(const po::variables_map& options, int min_disparity) {
+StereoRectification rectification_from(const po::variables_map& options, int min_disparity) {
   if (options.count("size") != 0) {
     StereoGeometry geometry;
     geometry.image_size = parse_size(options["size"].as<std::string>());
     return identity_rectification(geometry, min_disparity);
   }
-  const std::string left = options["left-info"].as<std::string>();
-  const std::string right = options["right-info"].as<std::string>();
-  auto made = make_stereo_rectification(to_calibration(read_camera_info(left)),
-                                        to_calibration(read_camera_info(right)), min_disparity);
-  require(made, left + ", " + right + ": ");
-  return *made;
+  return read_rectification(options["left-info"].as<std::string>(),
+                            options["right-info"].as<std::string>(), min_disparity);
 }
 
 }  // namespace
@@ -75,7 +70,7 @@ void upload(const std::string& device, const Arguments& arguments) {
   const link::Identity identity = board.identify();
   const Parameters parameters = parameters_from(parsed->options, parameters_of(identity.build));
   const StereoRectification rectification =
-      read_rectification(parsed->options, parameters.min_disparity);
+      rectification_from(parsed->options, parameters.min_disparity);
   const auto made = make_gateware_configuration(identity.build, parameters, rectification);
   require(made, "this board cannot do that: ");
   configure(board, *made, 0, 0, false, kConfigureTime);

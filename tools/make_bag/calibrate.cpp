@@ -6,9 +6,10 @@
 #include <opencv2/imgproc.hpp>
 #include <regex>
 
+#include "make_bag/camera_info_files.hpp"
 #include "make_bag/modes.hpp"
+#include "make_bag/stereo_info.hpp"
 #include "support/files.hpp"
-#include "support/stereo_info.hpp"
 
 namespace fpga_stereo::tools {
 namespace {

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <regex>
 
+#include "make_bag/camera_info_files.hpp"
 #include "make_bag/modes.hpp"
 #include "make_bag/sources.hpp"
 #include "ros/conversions.hpp"
@@ -104,8 +105,8 @@ StereoSource file_source(const po::variables_map& options) {
     const cv::Size size = read_image(source.frames[0].left).size();
     source.info = rectified_info(size, rectified[0], rectified[1]);
   } else {
-    source.info = {read_camera_info(options["left-info"].as<std::string>()),
-                   read_camera_info(options["right-info"].as<std::string>())};
+    source.info = {read_camera_info_message(options["left-info"].as<std::string>()),
+                   read_camera_info_message(options["right-info"].as<std::string>())};
   }
   return source;
 }

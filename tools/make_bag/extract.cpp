@@ -13,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "make_bag/camera_info_files.hpp"
 #include "make_bag/modes.hpp"
 #include "support/files.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "support/stereo_info.hpp"
+#include "make_bag/stereo_info.hpp"
 
 namespace fpga_stereo::tools {
 

@@ -1,6 +1,6 @@
 #include "support/files.hpp"
 
-#include <camera_calibration_parsers/parse.h>
+#include <fmt/format.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -29,15 +29,22 @@ std::string extension(const std::string& path) {
   return text;
 }
 
-std::vector<unsigned char> read_bytes(const std::string& path) {
+std::ifstream open_file(const std::string& path) {
   if (fs::is_directory(path)) throw std::runtime_error(path + ": is a folder, not a file");
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  if (!file) {
+    throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  }
+  return file;
+}
+
+std::vector<unsigned char> read_bytes(const std::string& path) {
+  std::ifstream file = open_file(path);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// Drops the colour profiles of a PNG: libpng complains on the terminal about many of them, and
-/// nobody here uses them. Anything that is no well-formed PNG stays as it is.
+/// Removes the colour profiles of a PNG, which no program here uses: libpng prints warnings about
+/// many of them. Leaves data that is not a well-formed PNG unchanged.
 void drop_colour_profile(std::vector<unsigned char>& png) {
   constexpr std::size_t kSignature = 8, kAroundData = 12;
   constexpr std::array<unsigned char, kSignature> signature{0x89, 'P',  'N',  'G',
@@ -52,7 +59,7 @@ void drop_colour_profile(std::vector<unsigned char>& png) {
     if (length > png.size() - at - kAroundData) return;
     const auto chunk = png.begin() + static_cast<std::ptrdiff_t>(at);
     const std::string type(chunk + 4, chunk + 8);
-    if (type == "IDAT") return;  // a profile stands before the pixels
+    if (type == "IDAT") return;  // profiles precede the pixels
     if (type == "iCCP") {
       png.erase(chunk, chunk + static_cast<std::ptrdiff_t>(kAroundData + length));
     } else {
@@ -87,6 +94,8 @@ std::vector<std::string> expand(const std::string& argument) {
 
 }  // namespace
 
+void require_readable(const std::string& path) { open_file(path); }
+
 cv::Mat read_image(const std::string& path) {
   std::vector<unsigned char> bytes = read_bytes(path);
   drop_colour_profile(bytes);
@@ -94,9 +103,9 @@ cv::Mat read_image(const std::string& path) {
   try {
     if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
   } catch (const cv::Exception& e) {
-    throw std::runtime_error(concat(path, ": is no image that can be read: ", e.err));
+    throw std::runtime_error(fmt::format("{}: is not an image: {}", path, e.err));
   }
-  if (image.empty()) throw std::runtime_error(path + ": is no image that can be read");
+  if (image.empty()) throw std::runtime_error(path + ": is not an image");
   return image;
 }
 
@@ -130,26 +139,29 @@ void require_picture_extension(const std::string& option, const std::string& pat
   try {
     known = !extension(path).empty() && cv::haveImageWriter(path);
   } catch (const cv::Exception&) {
-    // An extension that OpenCV cannot even parse.
+    // OpenCV cannot parse the extension.
   }
   if (known) return;
-  throw UsageError(concat(option, " \"", path, "\": allowed is a file of an image format, such as ",
-                          ".png, .jpg or .ppm"));
+  throw UsageError(
+      fmt::format("{} \"{}\": allowed are files of an image format, such as .png, .jpg and .ppm",
+                  option, path));
 }
 
 void create_folder(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (!fs::is_directory(path)) {
-    throw std::runtime_error(concat(path, ": cannot be created: ", error.message()));
+    throw std::runtime_error(fmt::format("{}: cannot be created: {}", path, error.message()));
   }
 }
 
 void require_disparity_extension(const std::string& path) {
   const std::string given = extension(path);
   if (given == ".png" || given == ".pfm") return;
-  throw UsageError(concat("OUT \"", path, "\" has the extension \"", given,
-                          "\": allowed .png and .pfm; other formats lose disparities"));
+  throw UsageError(fmt::format(
+      "OUT \"{}\" has the extension \"{}\": allowed are .png and .pfm; other formats lose "
+      "disparities",
+      path, given));
 }
 
 void write_disparity(const std::string& path, const cv::Mat1w& disparity, int min_disparity) {
@@ -162,38 +174,13 @@ void write_disparity(const std::string& path, const cv::Mat1w& disparity, int mi
   write_image(path, values);
 }
 
-sensor_msgs::CameraInfo read_camera_info(const std::string& path) {
-  read_bytes(path);  // says why a file cannot be read, which the parser does not
-  std::string camera;
-  sensor_msgs::CameraInfo info;
-  bool read = false;
-  try {
-    read = camera_calibration_parsers::readCalibration(path, camera, info);
-  } catch (const std::exception&) {
-    // Of the YAML library: the same as what the parser itself refuses.
-  }
-  if (!read) {
-    throw std::runtime_error(
-        concat(path, ": is no camera_info that can be read: allowed .yaml, .yml and .ini as ",
-               "camera_calibration writes them"));
-  }
-  return info;
-}
-
-void write_camera_info(const std::string& path, const std::string& camera,
-                       const sensor_msgs::CameraInfo& info) {
-  if (!camera_calibration_parsers::writeCalibration(path, camera, info)) {
-    throw std::runtime_error(path + ": cannot be written");
-  }
-}
-
 std::vector<std::string> list_images(const std::string& option,
                                      const std::vector<std::string>& arguments) {
   std::vector<std::string> images;
   for (const std::string& argument : arguments) {
     const std::vector<std::string> found = expand(argument);
     if (found.empty()) {
-      throw std::runtime_error(concat(option, " ", argument, ": there is no image of that name"));
+      throw std::runtime_error(fmt::format("{} {}: no image has this name", option, argument));
     }
     images.insert(images.end(), found.begin(), found.end());
   }

@@ -1,8 +1,6 @@
-// Images, disparities and calibrations in files. Every function throws std::runtime_error that
-// names the file and what is wrong with it.
+// Reads and writes images and disparities. Every function throws std::runtime_error with the name
+// of the file and what is wrong with it.
 #pragma once
-
-#include <sensor_msgs/CameraInfo.h>
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -10,32 +8,33 @@
 
 namespace fpga_stereo::tools {
 
-/// 8UC1 or 8UC3 (bgr), as the file has it; deeper pixels are reduced to 8 bits.
+/// Throws unless `path` is a file that can be opened for reading.
+void require_readable(const std::string& path);
+
+/// Returns the image as 8UC1 or 8UC3 (bgr), whichever the file holds; deeper pixels are reduced to
+/// 8 bits.
 cv::Mat read_image(const std::string& path);
-/// The same as grey, as a node sees it that gets the image as a message.
+/// Returns the image in grey, converted as a node converts a colour image message.
 cv::Mat1b read_grey(const std::string& path);
-/// The first channel of ground truth and masks.
+/// Returns the first channel, which holds the values of ground truth and masks.
 cv::Mat1b read_first_channel(const std::string& path);
 
-/// Any image in the format that the extension says.
+/// Writes an image in the format of the extension.
 void write_image(const std::string& path, const cv::Mat& image);
-/// Throws UsageError if no picture can be written to a file of that extension. `option` is named.
+/// Throws UsageError, which names `option`, if no image can be written with this extension.
 void require_picture_extension(const std::string& option, const std::string& path);
-/// Creates a folder and those above it.
+/// Creates a folder and its parents.
 void create_folder(const std::string& path);
 
-/// Throws UsageError unless `path` ends on .png or .pfm, the formats that lose nothing.
+/// Throws UsageError unless `path` ends in .png or .pfm, the lossless formats for disparities.
 void require_disparity_extension(const std::string& path);
-/// .png: the 16 bits of each pixel as they are. .pfm: px, `min_disparity` added, none is infinite.
+/// Writes a disparity image. .png: the 16-bit values unchanged. .pfm: float, px, with
+/// `min_disparity` added; invalid pixels are infinite.
 void write_disparity(const std::string& path, const cv::Mat1w& disparity, int min_disparity);
 
-/// camera_info from YAML as camera_calibration writes it.
-sensor_msgs::CameraInfo read_camera_info(const std::string& path);
-void write_camera_info(const std::string& path, const std::string& camera,
-                       const sensor_msgs::CameraInfo& info);
-
-/// The images that `arguments` stand for, sorted by name: files, folders (every image in them) and
-/// patterns with * ? []. `option` is named where there is none.
+/// Returns the image files that `arguments` stand for, sorted by name: files, folders (all images
+/// in them) and patterns with * ? []. Throws an error that names `option` if an argument matches no
+/// image.
 std::vector<std::string> list_images(const std::string& option,
                                      const std::vector<std::string>& arguments);
 

@@ -1,10 +1,12 @@
 #include "support/stereo_job.hpp"
 
+#include <fmt/format.h>
+
 #include <iostream>
 
+#include "fpga_stereo/core/camera_info_yaml.hpp"
 #include "fpga_stereo/core/convert.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
-#include "ros/conversions.hpp"
 #include "support/files.hpp"
 #include "support/parameter_options.hpp"
 
@@ -14,11 +16,12 @@ namespace {
 namespace po = boost::program_options;
 
 void print_rectification(const std::string& camera, const CameraRectification& r) {
-  std::cerr << camera << " mesh: off the exact map by " << r.deviation.max << " px at most, at ("
-            << r.deviation.max_at.x << ", " << r.deviation.max_at.y << "), " << r.deviation.rms
-            << " px RMS; line buffer: " << r.line_buffer.rows << " rows ("
-            << r.line_buffer.rows_above << " above and " << r.line_buffer.rows_below
-            << " below the output row), read start " << r.line_buffer.read_start << "\n";
+  std::cerr << fmt::format(
+      "{} mesh: deviates from the exact map by at most {:.3g} px, at ({}, {}), and by {:.3g} px "
+      "RMS; needs a line buffer of {} rows ({} above and {} below the output row), read start {}\n",
+      camera, r.deviation.max, r.deviation.max_at.x, r.deviation.max_at.y, r.deviation.rms,
+      r.line_buffer.rows, r.line_buffer.rows_above, r.line_buffer.rows_below,
+      r.line_buffer.read_start);
 }
 
 StereoRectification rectification(const po::variables_map& options, cv::Size size,
@@ -28,32 +31,30 @@ StereoRectification rectification(const po::variables_map& options, cv::Size siz
     geometry.image_size = size;
     return identity_rectification(geometry, min_disparity);
   }
-  const std::string left = options["left-info"].as<std::string>();
-  const std::string right = options["right-info"].as<std::string>();
-  const auto made =
-      make_stereo_rectification(to_calibration(read_camera_info(left)),
-                                to_calibration(read_camera_info(right)), min_disparity);
-  require(made, left + ", " + right + ": ");
-  return *made;
+  return read_rectification(options["left-info"].as<std::string>(),
+                            options["right-info"].as<std::string>(), min_disparity);
 }
 
 }  // namespace
 
 CommandLine job_command_line(const std::string& program, const std::string& about) {
   CommandLine line;
-  line.usage = concat("Usage: ", program, " LEFT RIGHT OUT [options]\n", about,
-                      "LEFT and RIGHT are image files of one size.\n"
-                      "OUT is one of\n"
-                      "  FILE.png  16-bit grey, 1/32 px, 65535 = no disparity; min_disparity is "
-                      "not added\n"
-                      "  FILE.pfm  float, px, inf = no disparity; min_disparity is added\n");
+  line.usage = fmt::format(
+      "Usage: {} LEFT RIGHT OUT [options]\n"
+      "{}"
+      "LEFT and RIGHT are image files of equal size.\n"
+      "OUT is one of\n"
+      "  FILE.png  16-bit grey, 1/32 px, 65535 = no disparity; min_disparity is not added\n"
+      "  FILE.pfm  float, px, inf = no disparity; min_disparity is added\n",
+      program, about);
   line.positional = {"LEFT", "RIGHT", "OUT"};
-  line.options.add_options()("color", po::value<std::string>()->value_name("FILE"),
-                             "write a picture, too: near is red, far is blue, none is black");
+  line.options.add_options()(
+      "color", po::value<std::string>()->value_name("FILE"),
+      "also write a colour picture: near is red, far is blue, invalid is black");
   line.options.add_options()("left-info", po::value<std::string>()->value_name("YAML"),
-                             "camera_info of LEFT: rectify first; needs --right-info");
+                             "camera_info file of the left camera: rectify the images first");
   line.options.add_options()("right-info", po::value<std::string>()->value_name("YAML"),
-                             "camera_info of RIGHT");
+                             "camera_info file of the right camera");
   return line;
 }
 
@@ -62,7 +63,7 @@ StereoJob read_job(const Parsed& parsed) {
   const std::string& left_path = parsed.positional[0];
   const std::string& right_path = parsed.positional[1];
 
-  // Everything that can be refused before any work.
+  // Check everything that needs no file first.
   StereoJob job;
   job.parameters = parameters_from(options);
   job.out_path = parsed.positional[2];
@@ -73,21 +74,32 @@ StereoJob read_job(const Parsed& parsed) {
   }
   if (options.count("left-info") != options.count("right-info")) {
     const bool left_given = options.count("left-info") != 0;
-    throw UsageError(concat("--", left_given ? "left" : "right", "-info is given without --",
-                            left_given ? "right" : "left", "-info: allowed are both or none"));
+    throw UsageError(fmt::format("--{}-info is given without --{}-info: allowed are both or none",
+                                 left_given ? "left" : "right", left_given ? "right" : "left"));
   }
 
   job.left = read_grey(left_path);
   job.right = read_grey(right_path);
   if (job.left.size() != job.right.size()) {
-    throw std::runtime_error(concat(left_path, " is ", job.left.cols, "x", job.left.rows, " and ",
-                                    right_path, " is ", job.right.cols, "x", job.right.rows,
-                                    ": they must have one size"));
+    throw std::runtime_error(fmt::format("{} is {}x{} and {} is {}x{}: the sizes must be equal",
+                                         left_path, job.left.cols, job.left.rows, right_path,
+                                         job.right.cols, job.right.rows));
   }
   job.rectification = rectification(options, job.left.size(), job.parameters.min_disparity);
   require(validate_image(job.left, job.rectification, "left"), left_path + ": ");
   require(validate_image(job.right, job.rectification, "right"), right_path + ": ");
   return job;
+}
+
+StereoRectification read_rectification(const std::string& left_path, const std::string& right_path,
+                                       int min_disparity) {
+  const auto left = read_camera_info(left_path);
+  require(left);
+  const auto right = read_camera_info(right_path);
+  require(right);
+  auto made = make_stereo_rectification(*left, *right, min_disparity);
+  require(made, fmt::format("{}, {}: ", left_path, right_path));
+  return std::move(*made);
 }
 
 void write_result(const StereoJob& job, const cv::Mat1w& disparity) {

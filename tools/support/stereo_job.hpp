@@ -1,5 +1,5 @@
-// What match and simulate have in common: LEFT RIGHT OUT, a calibration, a colour picture and the
-// parameters of the pipeline.
+// What match and simulate share: the arguments LEFT RIGHT OUT, the calibration, the colour picture
+// and the parameters of the pipeline.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -15,20 +15,25 @@ struct StereoJob {
   Parameters parameters;
   cv::Mat1b left, right;
   StereoRectification rectification;
-  std::string out_path, color_path;  // color_path is empty where none is asked for
+  std::string out_path;
+  std::string color_path;  // empty: no colour picture
 };
 
-/// Arguments and options of a job; `about` is the second line of the help. The program may add
-/// options; parameter_options() is for it to add, last.
+/// Returns the arguments and options of a job. `about` follows the usage line in the help. The
+/// program adds its own options and, last, parameter_options().
 CommandLine job_command_line(const std::string& program, const std::string& about);
 
-/// Refuses what can be refused before any work, then reads the files and makes the meshes.
+/// Checks the command line, reads the files and makes the rectification meshes.
 StereoJob read_job(const Parsed& parsed);
+
+/// Makes the rectification of two camera_info files. Throws std::runtime_error.
+StereoRectification read_rectification(const std::string& left_path, const std::string& right_path,
+                                       int min_disparity);
 
 /// Writes OUT and the colour picture.
 void write_result(const StereoJob& job, const cv::Mat1w& disparity);
 
-/// What the meshes are like and what they need of a line buffer, on stderr.
+/// Prints the deviation of the meshes and the line buffer that they need to stderr.
 void print_rectification(const StereoRectification& rectification);
 
 }  // namespace fpga_stereo::tools

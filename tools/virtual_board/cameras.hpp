@@ -1,20 +1,24 @@
-// What the cameras of a virtual board see.
+// The images that the cameras of a virtual board deliver. Every function throws std::runtime_error
+// with what cannot be used.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "sim/virtual_board/board.hpp"
+#include "sim/gateware/grey_pair.hpp"
 
 namespace fpga_stereo::tools {
 
-/// Pairs of one size, at least one, at most `most` (the first ones). Each throws
-/// std::runtime_error that names what cannot be used.
+/// Reads one pair of image files.
 std::vector<sim::GreyPair> read_image_pair(const std::string& left, const std::string& right);
-/// FOLDER/left and FOLDER/right, both sorted by name: as make_bag extract writes them.
-std::vector<sim::GreyPair> read_folder(const std::string& folder, std::size_t most);
-/// /CAMERA/left and right image_raw, paired by stamp.
-std::vector<sim::GreyPair> read_bag(const std::string& path, const std::string& camera,
-                                    std::size_t most);
+
+/// Reads the first `max_pairs` pairs, at least one, of FOLDER/left and FOLDER/right, sorted by
+/// name, as make_bag extract writes them.
+std::vector<sim::GreyPair> read_folder(const std::string& folder, std::size_t max_pairs);
+
+/// Appends a pair. Throws an error that begins with `name` if its size differs from that of the
+/// first pair.
+void append_pair(std::vector<sim::GreyPair>& pairs, const cv::Mat1b& left, const cv::Mat1b& right,
+                 const std::string& name);
 
 }  // namespace fpga_stereo::tools

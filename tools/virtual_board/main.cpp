@@ -12,6 +12,7 @@
 #include "virtual_board/engine.hpp"
 #include "virtual_board/events.hpp"
 #include "virtual_board/line.hpp"
+#include "virtual_board/read_bag.hpp"
 
 namespace fpga_stereo::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "support/stereo_info.hpp"
+#include "make_bag/stereo_info.hpp"
 
 #include <sensor_msgs/distortion_models.h>
 
@@ -8,7 +8,7 @@
 namespace fpga_stereo::tools {
 namespace {
 
-constexpr std::size_t kPlumbBob = 5;  // coefficients
+constexpr std::size_t kPlumbBobCoefficients = 5;
 
 sensor_msgs::CameraInfo camera_info(cv::Size size, const Intrinsics& camera, const cv::Matx33d& R,
                                     const cv::Matx34d& P) {
@@ -17,7 +17,7 @@ sensor_msgs::CameraInfo camera_info(cv::Size size, const Intrinsics& camera, con
   info.height = static_cast<std::uint32_t>(size.height);
   info.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
   info.D = camera.D;
-  info.D.resize(kPlumbBob, 0.0);
+  info.D.resize(kPlumbBobCoefficients, 0.0);
   std::copy_n(camera.K.val, info.K.size(), info.K.begin());
   std::copy_n(R.val, info.R.size(), info.R.begin());
   std::copy_n(P.val, info.P.size(), info.P.begin());
@@ -49,7 +49,7 @@ StereoInfo calibrated_info(cv::Size size, const Intrinsics& left, const Intrinsi
 void resize(cv::Size size, sensor_msgs::CameraInfo& info) {
   const double x = static_cast<double>(size.width) / info.width;
   const double y = static_cast<double>(size.height) / info.height;
-  // Pixel centres are whole numbers, so the corner of the image is at -0.5.
+  // Pixel centres have integer coordinates, so the corner of the image is at -0.5.
   const auto centre = [](double c, double factor) { return (c + 0.5) * factor - 0.5; };
   info.K[0] *= x;
   info.K[1] *= x;
