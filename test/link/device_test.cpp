@@ -148,7 +148,7 @@ TEST(Device, StreamsWhatIsWanted) {
   const Device::Snapshot s = rig.device->snapshot();
   EXPECT_EQ(s.state, link::LinkState::kStreaming);
   EXPECT_EQ(s.trouble_text, "");
-  EXPECT_EQ(s.description, "board that is a program");
+  EXPECT_EQ(s.description, "virtual board in this process");
   EXPECT_EQ(s.times_opened, 1U);
   ASSERT_TRUE(s.identity);
   EXPECT_EQ(s.identity->build.disparities, 16);

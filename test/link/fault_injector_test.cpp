@@ -184,7 +184,7 @@ TEST(FaultInjector, APacketWaitsForItsEndOrForSilence) {
   Bytes out;
   injector.push(in.data(), 60, out);
   EXPECT_TRUE(out.empty());
-  EXPECT_TRUE(injector.waiting());
+  EXPECT_TRUE(injector.has_pending());
   injector.push(&in[60], in.size() - 60, out);
   EXPECT_EQ(out, in);
   injector.push(in.data(), 60, out);
@@ -192,15 +192,15 @@ TEST(FaultInjector, APacketWaitsForItsEndOrForSilence) {
   EXPECT_EQ(out.size(), in.size() + 60);
   injector.push(in.data(), 60, out);
   injector.clear();
-  EXPECT_FALSE(injector.waiting());
+  EXPECT_FALSE(injector.has_pending());
 }
 
 TEST(FaultInjector, Names) {
   for (int i = 0; i < sim::kNumLineFaults; ++i) {
     const auto fault = static_cast<LineFault>(i);
-    EXPECT_EQ(sim::line_fault(sim::name(fault)), fault);
+    EXPECT_EQ(sim::find_line_fault(sim::name(fault)), fault);
   }
-  EXPECT_FALSE(sim::line_fault("flips"));
+  EXPECT_FALSE(sim::find_line_fault("flips"));
 }
 
 // A board behind a line with faults: time is what run() says.

@@ -168,7 +168,7 @@ TEST(Session, TheComplaintEndsWithTheTroubleWhereNothingIsStreamed) {
 
 TEST(Session, ABoardThatRefusesASettingIsLeftInPeace) {
   auto options = SessionRig::small_board();
-  options.wrong = {{spec::kRegSpeckleSize, 9}};
+  options.overrides = {{spec::kRegSpeckleSize, 9}};
   Streaming rig(options);
   rig.want(8);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }));

@@ -20,7 +20,7 @@ bool applies(const SessionRig::Bytes& bytes) {
 /// A board that comes out of a reset with a configuration that it takes as it is.
 sim::SoftwareBoard::Options board_that_starts_sized() {
   auto options = SessionRig::small_board();
-  options.wrong = {{spec::kRegWidth, 64}, {spec::kRegHeight, 24}};
+  options.overrides = {{spec::kRegWidth, 64}, {spec::kRegHeight, 24}};
   return options;
 }
 

@@ -153,8 +153,8 @@ class Misfits : public ::testing::TestWithParam<Misfit> {};
 
 TEST_P(Misfits, AreRefusedByName) {
   auto options = SessionRig::small_board();
-  options.wrong = GetParam().wrong;
-  options.version = GetParam().version;
+  options.overrides = GetParam().wrong;
+  options.packet_version = GetParam().version;
   Streaming rig(options);
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }));
@@ -187,7 +187,7 @@ class Defects : public ::testing::TestWithParam<Misfit> {};
 
 TEST_P(Defects, AreFoundByReadingBack) {
   auto options = SessionRig::small_board();
-  options.wrong = GetParam().wrong;
+  options.overrides = GetParam().wrong;
   Streaming rig(options);
   rig.want(8);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }));
@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Session, AnotherSettingIsTriedWhereOneWasRefused) {
   auto options = SessionRig::small_board();
-  options.wrong = {{spec::kRegSpeckleSize, 9}};
+  options.overrides = {{spec::kRegSpeckleSize, 9}};
   Streaming rig(options);
   rig.want(8);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kRefused; }));

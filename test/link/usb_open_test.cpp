@@ -52,8 +52,8 @@ TEST(Usb, SetsTheChipUp) {
   EXPECT_EQ(seen.flow_control, 0x0100);
   EXPECT_EQ(seen.resets, 1);
   EXPECT_EQ(seen.purges, 2);
-  EXPECT_LE(seen.most_pending, 16U);
-  EXPECT_GE(seen.most_pending, 12U);  // some may end while the others begin
+  EXPECT_LE(seen.max_pending, 16U);
+  EXPECT_GE(seen.max_pending, 12U);  // some may end while the others begin
   EXPECT_EQ(seen.urb_bytes, 65536U);
 }
 

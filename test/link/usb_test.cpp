@@ -103,7 +103,7 @@ TEST(Usb, WhatWaitsIsBounded) {
   const Bytes sent = random_bytes(300000, 1);
   line.send(sent);
   std::this_thread::sleep_for(Milliseconds(100));
-  EXPECT_LE(line.chip.seen().most_pending, 4U);
+  EXPECT_LE(line.chip.seen().max_pending, 4U);
   EXPECT_EQ(line.chip.seen().urb_bytes, 8192U);
   EXPECT_GE(line.waiting(), sent.size() - 65536);
   EXPECT_TRUE(read_all(**transport, sent.size()) == sent);

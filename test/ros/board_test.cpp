@@ -186,7 +186,7 @@ TEST_F(Board, FallsBackToTheSoftwareForUnsupportedSettings) {
 
 TEST_F(Board, IsRefusedIfItsSpecificationDiffers) {
   sim::SoftwareBoard::Options options;
-  options.wrong = {{spec::kRegSpecHash, 0xDEADBEEF}};
+  options.overrides = {{spec::kRegSpecHash, 0xDEADBEEF}};
   Listener<rosgraph_msgs::Log> log(rig_.nh(), "/rosout");
   ASSERT_TRUE(eventually([&] { return log.count() > 0; }));
   plug_in(options);

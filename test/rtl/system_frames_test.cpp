@@ -150,7 +150,7 @@ TEST(RtlSystemFrames, ASlowLineDropsWholeFramesAndCountsThem) {
   rig.system().set_flow(stalled);
   for (std::size_t i = 6; i < 12; ++i) rig.system().feed(pairs[i]);
   rig.run(9 * size.area());
-  ASSERT_TRUE(rig.system().idle());
+  ASSERT_TRUE(rig.system().is_idle());
   rig.system().set_flow(make_flow(kSlowCamera));
   rig.run(size.area());
   // Frames after the stall are good.
@@ -218,7 +218,7 @@ TEST(RtlSystemFrames, CarryTheIdOfTheConfigurationThatMadeThem) {
       pairs.push_back(pair);
       pair_parameters.push_back(p);
     }
-    rig.run_until([&] { return rig.system().idle(); });
+    rig.run_until([&] { return rig.system().is_idle(); });
   }
   rig.run_until_frames(5 * pairs.size());
   ReferencePipeline pipeline;
@@ -313,7 +313,7 @@ TEST(RtlSystemFrames, AreFlaggedIfTheCameraFrameIsBad) {
   rig.apply_configuration(system_parameters(), distorted_rectification(size, 0.5));
   rig.write(spec::kRegStreams, kAllStreams);
   rig.system().set_flow(make_flow(kSlowCamera));
-  const std::vector<Pixel> good = sim::pixels(textured_pairs(size, 1, 9));
+  const std::vector<Pixel> good = sim::to_pixels(textured_pairs(size, 1, 9));
   std::vector<Pixel> cut(good.begin(), good.begin() + 34 * 11 + 17), long_line = good;
   long_line.insert(long_line.begin() + 5 * 34 + 10, 8, Pixel{1, 2, false, false});
   // Wait first: the board pads a cut frame at one pixel per clock, which may drop rows of the

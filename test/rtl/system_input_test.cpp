@@ -257,7 +257,7 @@ TEST_F(RtlSystemInput, SwitchesBetweenCamerasAndHost) {
   send_pair(rig_, pairs[1], host_pair);
   rig_.run_until_frames(5);
   for (const AssembledFrame& frame : rig_.frames) expect_good(frame, pairs[1], host_pair);
-  rig_.run_until([&] { return rig_.system().idle(); });
+  rig_.run_until([&] { return rig_.system().is_idle(); });
   rig_.frames.clear();
   // If the host does not complete a pair, switching to the cameras ends it.
   HostPair open;

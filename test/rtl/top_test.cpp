@@ -177,7 +177,7 @@ TEST_P(RtlTop, ChangesSettingsSizesAndMeshesAfterTheFrameInFlight) {
       append(gateware.stream({}, 0, flow));
       flow.writes.clear();
     }
-    append(gateware.stream(pixels(c.pairs), 0, flow));
+    append(gateware.stream(to_pixels(c.pairs), 0, flow));
     flow.seed = i;
     flow.valid = flow.ready = i % 4 == 3 ? 0.5 : 1;
   }
@@ -235,7 +235,7 @@ TEST_P(RtlTop, FlagsFramesThatAreCutOrTooLong) {
   const TopCase c{parameters(), distorted_rectification(size, 1), textured_pairs(size, 1, 9), ""};
   ASSERT_TRUE(gateware.apply(c.parameters, c.rectification));
   const Expected expected = run_reference(c);
-  const std::vector<Pixel> good = pixels(c.pairs);
+  const std::vector<Pixel> good = to_pixels(c.pairs);
   const auto without = [&](int first, int count) {
     std::vector<Pixel> words = good;
     words.erase(words.begin() + first, words.begin() + first + count);
@@ -317,7 +317,7 @@ TEST_P(RtlTop, RecoversFromAResetInTheMiddleOfAFrame) {
   const cv::Size size(36, 28);
   Gateware gateware = open_model();
   const TopCase c{parameters(), distorted_rectification(size, 1), textured_pairs(size, 2, 3), ""};
-  const std::vector<Pixel> words = pixels(c.pairs);
+  const std::vector<Pixel> words = to_pixels(c.pairs);
   for (const int sent : {1, 36 * 9 + 5, 36 * 28 - 1, 36 * 40, 36 * 55}) {
     ASSERT_TRUE(gateware.apply(c.parameters, c.rectification));
     ASSERT_TRUE(gateware.stream({words.begin(), words.begin() + sent}, 0));

@@ -64,18 +64,18 @@ Engine make_software(const po::variables_map& options) {
   made.build = build(options);
   made.streams =
       link::StreamSet::from_bits(static_cast<std::uint32_t>(whole(options, "streams", 0, 255)));
-  made.most_waiting = static_cast<std::size_t>(whole(options, "waiting", 0, 1000000000));
-  made.kept_pairs = static_cast<std::size_t>(whole(options, "keep", 0, 1000000));
+  made.max_queued_bytes = static_cast<std::size_t>(whole(options, "waiting", 0, 1000000000));
+  made.cached_pairs = static_cast<std::size_t>(whole(options, "keep", 0, 1000000));
   made.num_threads = threads(options);
-  made.version = static_cast<std::uint8_t>(whole(options, "packet-version", 0, 255));
-  if (options["wrong-hash"].as<bool>()) made.wrong[spec::kRegSpecHash] = ~kSpecHash;
-  if (options["wrong-identity"].as<bool>()) made.wrong[spec::kRegIdentity] = 0x12345678;
+  made.packet_version = static_cast<std::uint8_t>(whole(options, "packet-version", 0, 255));
+  if (options["wrong-hash"].as<bool>()) made.overrides[spec::kRegSpecHash] = ~kSpecHash;
+  if (options["wrong-identity"].as<bool>()) made.overrides[spec::kRegIdentity] = 0x12345678;
   if (options["wrong-version"].as<bool>()) {
     const std::uint32_t next = spec::kVersionMajor.get(spec::kRegVersionReset) + 1;
-    made.wrong[spec::kRegVersion] = spec::kVersionMajor.put(next);
+    made.overrides[spec::kRegVersion] = spec::kVersionMajor.put(next);
   }
   if (options.count("wrong") != 0) {
-    for (const std::string& text : options["wrong"].as<Strings>()) add_wrong(text, made.wrong);
+    for (const std::string& text : options["wrong"].as<Strings>()) add_wrong(text, made.overrides);
   }
   auto board = std::make_unique<sim::SoftwareBoard>(made);
   const sim::SoftwareBoard* raw = board.get();
@@ -122,7 +122,7 @@ po::options_description engine_options() {
   number("mesh-nodes", defaults.build.mesh_nodes, "nodes that a mesh may have [1 to 65535]");
   number("streams", static_cast<int>(defaults.streams.bits()), "bit s: it has stream s [0 to 255]");
   number("keep", 0, "results of so many pairs are kept: when they come again, they cost nothing");
-  number("waiting", static_cast<int>(defaults.most_waiting),
+  number("waiting", static_cast<int>(defaults.max_queued_bytes),
          "bytes that may wait for the host; frames behind them are dropped [0 to 1000000000]");
   number("clock-hz", 50000,
          "gateware: its clock; a simulation that is slower lags behind [10000 to 100000000]");

@@ -74,7 +74,7 @@ std::optional<ScriptLine> parse_script_line(const std::string& text) {
   } else if (name == "empty") {
     event.what = What::kEmpty;
     event.amount = amount(1e6);
-  } else if (const auto fault = sim::line_fault(name)) {
+  } else if (const auto fault = sim::find_line_fault(name)) {
     event.what = What::kFault;
     event.fault = *fault;
     event.amount = amount(1e6);

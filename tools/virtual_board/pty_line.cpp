@@ -11,13 +11,13 @@ class PtyLine final : public Line {
   }
 
   void plug(bool plugged) override {
-    if (plugged == port_.plugged()) return;
+    if (plugged == port_.is_plugged()) return;
     port_.plug(plugged);
     if (!plugged) board_.cut();
   }
   void serve(std::chrono::milliseconds most) override {
     const bool moved = port_.move(board_);
-    if (port_.plugged() && !port_.has_host()) board_.discard();
+    if (port_.is_plugged() && !port_.has_host()) board_.discard();
     if (!moved) port_.wait(most);
   }
   std::string ready() const override { return port_.path(); }

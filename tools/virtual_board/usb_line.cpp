@@ -27,7 +27,7 @@ class UsbLine : public Line, private sim::FifoBackend {
     std::this_thread::sleep_for(most);
   }
   void plug(bool plugged) override {
-    if (plugged == chip_.plugged()) return;
+    if (plugged == chip_.is_plugged()) return;
     if (plugged) return chip_.plug();
     chip_.unplug();
     board_.cut();

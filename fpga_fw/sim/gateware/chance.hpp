@@ -1,11 +1,11 @@
-// For streams that stall at random.
+// Random decisions for streams that stall at random.
 #pragma once
 
 #include <random>
 
 namespace fpga_stereo::sim {
 
-/// Happens with a probability.
+/// Returns true with a fixed probability.
 class Chance {
  public:
   Chance(double probability, unsigned seed)

@@ -1,6 +1,8 @@
 #include "sim/gateware/gateware.hpp"
 
-#include <sstream>
+#include <fmt/format.h>
+
+#include <tuple>
 #include <utility>
 
 #include "sim/gateware/chance.hpp"
@@ -10,16 +12,9 @@ namespace {
 
 Error error(const std::string& message) { return {ErrorKind::kInvalid, message}; }
 
-template <class... Parts>
-std::string concat(const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  return text.str();
-}
-
 }  // namespace
 
-std::vector<Pixel> pixels(const std::vector<GreyPair>& frames) {
+std::vector<Pixel> to_pixels(const std::vector<GreyPair>& frames) {
   std::vector<Pixel> words;
   for (const GreyPair& frame : frames) {
     CV_Assert(frame.left.size() == frame.right.size());
@@ -46,13 +41,13 @@ Result<Gateware> Gateware::open(const std::string& path, std::uint32_t seed) {
 Status Gateware::check_identity(const std::string& path) {
   const std::uint32_t identity = read(spec::kRegIdentity);
   if (identity != spec::kRegIdentityReset) {
-    return error(concat(path, ": register IDENTITY is ", hex(identity), " instead of ",
-                        hex(spec::kRegIdentityReset)));
+    return error(fmt::format("{}: register IDENTITY is {}, expected {}", path, hex(identity),
+                             hex(spec::kRegIdentityReset)));
   }
   const std::uint32_t hash = read(spec::kRegSpecHash);
   if (hash != kSpecHash) {
-    return error(concat(path, ": was made from specification ", hex(hash),
-                        ": this program is of specification ", hex(kSpecHash)));
+    return error(fmt::format("{}: was made from specification {}, but this program from {}", path,
+                             hex(hash), hex(kSpecHash)));
   }
   return {};
 }
@@ -79,7 +74,7 @@ void Gateware::reset(int num_clocks) {
   values_.clear();
   row_length_ = 0;
   done_.clear();
-  waiting_.reset();
+  stalled_.reset();
   failure_.clear();
 }
 
@@ -97,8 +92,8 @@ std::uint32_t Gateware::read(std::uint32_t address) {
   in.address = static_cast<std::uint8_t>(address);
   clock(in);
   clock({});
-  const ModelOutputs out = clock({});  // two clocks behind, as fs_top says
-  if (out.read_valid == 0) fail(concat("no answer to a read of register ", address));
+  const ModelOutputs out = clock({});  // two clocks after the read, see fs_top
+  if (out.read_valid == 0) fail(fmt::format("no answer to a read of register {}", address));
   return out.data;
 }
 
@@ -109,23 +104,24 @@ void Gateware::idle(int num_clocks) {
 }
 
 Status Gateware::apply(const Parameters& parameters, const StereoRectification& rectification) {
-  const auto made = make_gateware_configuration(build_, parameters, rectification);
-  if (!made) return made.error();
-  const std::vector<RegisterWrite> writes = made->writes();
+  const auto configuration = make_gateware_configuration(build_, parameters, rectification);
+  if (!configuration) return configuration.error();
+  const std::vector<RegisterWrite> writes = configuration->writes();
   write(spec::kRegErrors, spec::kErrorsConfig.mask());
   for (const RegisterWrite& w : writes) write(w.address, w.value);
   for (const RegisterWrite& w : writes) {
     for (const spec::Register& r : spec::register_table()) {
       if (r.address != w.address || r.access != spec::Access::kReadWrite) continue;
-      // It counts the nodes that are written.
+      // MESH_ADDRESS changes with each written node.
       if (r.address == spec::kRegMeshAddress) continue;
       if (const std::uint32_t value = read(w.address); value != w.value) {
-        return error(concat("register ", r.name, " is ", hex(value), " instead of ", hex(w.value)));
+        return error(
+            fmt::format("register {} is {}, but {} was written", r.name, hex(value), hex(w.value)));
       }
     }
   }
   if (spec::kErrorsConfig.get(read(spec::kRegErrors)) != 0) {
-    return error("the gateware refuses its configuration: ERRORS.config");
+    return error("the gateware refuses its configuration: ERRORS.config is set");
   }
   return {};
 }
@@ -137,11 +133,11 @@ Counters Gateware::counters() {
 }
 
 std::array<std::uint32_t, kNumStages> Gateware::signatures() {
-  constexpr int kSettled = 4;  // clocks; fs_signature.sv says 2
-  for (std::int64_t end = clocks_ + patience(); clocks_ < end; idle(kSettled)) {
+  constexpr int kSettleClocks = 4;  // fs_signature.sv needs 2
+  for (std::int64_t end = clocks_ + timeout_clocks(); clocks_ < end; idle(kSettleClocks)) {
     if (spec::kStatusBusy.get(read(spec::kRegStatus)) == 0) break;
   }
-  idle(kSettled);
+  idle(kSettleClocks);
   std::array<std::uint32_t, kNumStages> values{};
   for (std::uint32_t stage = 0; stage < values.size(); ++stage) {
     values[stage] = read(spec::kRegSignatureRectify + stage);
@@ -151,14 +147,14 @@ std::array<std::uint32_t, kNumStages> Gateware::signatures() {
 
 // The streams.
 
-std::int64_t Gateware::patience() const {
-  constexpr int kMostRows =
-      512;  // the stages together keep a frame for fewer, each in a clock per pixel
-  return std::int64_t{kMostRows} * build_.max_width;
+std::int64_t Gateware::timeout_clocks() const {
+  // An upper bound of the rows that the stages hold together, at one clock per pixel.
+  constexpr int kMaxRows = 512;
+  return std::int64_t{kMaxRows} * build_.max_width;
 }
 
 void Gateware::fail(const std::string& what) {
-  if (failure_.empty()) failure_ = concat("clock ", clocks_, ": ", what);
+  if (failure_.empty()) failure_ = fmt::format("clock {}: {}", clocks_, what);
 }
 
 void Gateware::count_in(const Pixel& pixel) {
@@ -176,27 +172,28 @@ void Gateware::count_out(const ModelOutputs& out, bool ready) {
   const auto as_tuple = [](const Word& w) {
     return std::make_tuple(w.disparity, w.sof, w.eol, w.eof, w.bad);
   };
-  if (waiting_ && (out.valid == 0 || as_tuple(word(out)) != as_tuple(word(*waiting_)))) {
+  if (stalled_ && (out.valid == 0 || as_tuple(word(out)) != as_tuple(word(*stalled_)))) {
     fail("a disparity was withdrawn before it was taken");
   }
-  waiting_.reset();
+  stalled_.reset();
   if (out.valid == 0) return;
   if (ready) {
     collect(word(out));
   } else {
-    waiting_ = out;
+    stalled_ = out;
   }
 }
 
 void Gateware::collect(const Word& word) {
-  if (in_flight_.empty()) return fail("a disparity of no frame");
+  if (in_flight_.empty()) return fail("a disparity came without a frame in flight");
   Frame& frame = in_flight_.front();
-  if (word.sof != values_.empty()) fail("sof is not with the first pixel of a frame");
+  if (word.sof != values_.empty()) fail("sof does not mark the first pixel of a frame");
   if (values_.empty()) frame.first_out = clocks_ - 1;
   values_.push_back(word.disparity);
   const auto count = static_cast<int>(values_.size());
   if (word.eol && row_length_ == 0) row_length_ = count;
-  if (row_length_ != 0 && word.eol != (count % row_length_ == 0)) fail("rows differ in length");
+  if (row_length_ != 0 && word.eol != (count % row_length_ == 0))
+    fail("the rows of a frame differ in length");
   if (word.bad && !word.eof) fail("bad without eof");
   if (!word.eof) return;
   if (!word.eol) return fail("eof without eol");
@@ -213,12 +210,12 @@ Result<std::vector<Frame>> Gateware::stream(const std::vector<Pixel>& words, std
                                             const Flow& flow) {
   Chance offers(flow.valid, flow.seed), takes(flow.ready, flow.seed + 1);
   std::size_t sent = 0, written = 0;
-  bool offered = false;  // and not yet taken: it must stay
-  std::int64_t waited = 0;
+  bool is_offered = false;  // stays set until the pixel is taken
+  std::int64_t idle_clocks = 0;
   while (sent < words.size() || done_.size() < num_frames || written < flow.writes.size()) {
     ModelInputs in;
-    offered = offered || (sent < words.size() && offers());
-    if (offered) {
+    is_offered = is_offered || (sent < words.size() && offers());
+    if (is_offered) {
       in.valid = 1;
       in.sof = words[sent].sof ? 1 : 0;
       in.eol = words[sent].eol ? 1 : 0;
@@ -233,16 +230,17 @@ Result<std::vector<Frame>> Gateware::stream(const std::vector<Pixel>& words, std
       ++written;
     }
     const ModelOutputs out = clock(in);
-    const bool taken = offered && out.ready != 0;
+    const bool taken = is_offered && out.ready != 0;
     if (taken) {
       count_in(words[sent++]);
-      offered = false;
+      is_offered = false;
     }
     const bool waits = !taken && in.ready != 0 && out.valid == 0;
-    waited = taken || (out.valid != 0 && in.ready != 0) ? 0 : waited + (waits ? 1 : 0);
-    if (waited > patience()) {
-      fail(concat("nothing has moved for ", waited, " clocks; ", sent, " of ", words.size(),
-                  " pixels are taken, ", done_.size(), " of ", num_frames, " frames are out"));
+    idle_clocks = taken || (out.valid != 0 && in.ready != 0) ? 0 : idle_clocks + (waits ? 1 : 0);
+    if (idle_clocks > timeout_clocks()) {
+      fail(fmt::format(
+          "nothing has moved for {} clocks; {} of {} pixels are taken, {} of {} frames are out",
+          idle_clocks, sent, words.size(), done_.size(), num_frames));
     }
     if (!failure_.empty()) return error(failure_);
   }
@@ -251,7 +249,7 @@ Result<std::vector<Frame>> Gateware::stream(const std::vector<Pixel>& words, std
 
 Result<std::vector<Frame>> Gateware::process(const std::vector<GreyPair>& frames,
                                              const Flow& flow) {
-  return stream(pixels(frames), frames.size(), flow);
+  return stream(to_pixels(frames), frames.size(), flow);
 }
 
 }  // namespace fpga_stereo::sim

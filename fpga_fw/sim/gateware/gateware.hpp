@@ -1,5 +1,5 @@
-// The simulated gateware, clock by clock, as the software of a board sees the real one: registers
-// and two streams (fpga_fw/rtl/fs_top.sv).
+// The simulated pipeline of the gateware (fpga_fw/rtl/fs_top.sv), clock by clock: registers, a
+// stream of raw pixels in and a stream of disparities out.
 #pragma once
 
 #include <array>
@@ -21,34 +21,34 @@
 
 namespace fpga_stereo::sim {
 
-/// A word of the stream of raw pixels.
+/// A word of the raw pixel stream.
 struct Pixel {
   std::uint8_t left = 0, right = 0;
-  bool sof = false;  // first of a frame
-  bool eol = false;  // last of a line
+  bool sof = false;  // first pixel of a frame
+  bool eol = false;  // last pixel of a row
 };
 
-/// A word of the stream of disparities.
+/// A word of the disparity stream.
 struct Word {
   std::uint16_t disparity = 0;
   bool sof = false, eol = false;
-  bool eof = false;  // last of a frame
-  bool bad = false;  // with eof: the frame is not to be used
+  bool eof = false;  // last pixel of a frame
+  bool bad = false;  // with eof: the frame is invalid
 };
 
-/// What came out for one frame that went in, with the clocks in which pixels were taken.
+/// The result of one frame, with the clocks of its first and last pixel in and out.
 struct Frame {
   cv::Mat1w disparity;
   bool bad = false;
   std::int64_t first_in = -1, last_in = -1, first_out = -1, last_out = -1;
 };
 
-/// How streams are moved.
+/// How fast both streams move.
 struct Flow {
-  double valid = 1;  // share of the clocks in which a pixel is offered, if there is one
-  double ready = 1;  // share of the clocks in which a disparity is taken
+  double valid = 1;  // fraction of the clocks in which the next pixel is offered
+  double ready = 1;  // fraction of the clocks in which a disparity is taken
   unsigned seed = 1;
-  std::vector<RegisterWrite> writes;  // registers to write meanwhile, one in a clock
+  std::vector<RegisterWrite> writes;  // registers to write meanwhile, one per clock
 };
 
 struct Counters {
@@ -56,49 +56,50 @@ struct Counters {
       mesh_swaps;
 };
 
-/// The words of frames that follow each other.
-std::vector<Pixel> pixels(const std::vector<GreyPair>& frames);
+/// Returns the pixel words of consecutive frames.
+std::vector<Pixel> to_pixels(const std::vector<GreyPair>& frames);
 
+/// Not thread-safe.
 class Gateware {
  public:
-  /// Loads what build_model made and resets it. Registers and memories start with random values of
-  /// `seed`. Refuses a file that is no model and one of another specification.
+  /// Loads a model of fs_top and resets it. Registers and memories start with random values from
+  /// `seed`. Refuses a file that is not a model or was made from another specification.
   static Result<Gateware> open(const std::string& model, std::uint32_t seed = 1);
 
-  /// What its registers say, and what it was made with.
+  /// Build parameters: from its registers, and from the model.
   const GatewareBuild& build() const { return build_; }
   const ModelParameters& model_parameters() const { return model_.parameters(); }
 
-  // Every function below takes clocks of simulated time. Those that write or read registers hold
-  // both streams meanwhile, but for Flow::writes.
+  // Every function below consumes simulated clocks. Register accesses stall both streams, except
+  // for Flow::writes.
 
   void reset(int num_clocks = 4);
   void write(std::uint32_t address, std::uint32_t value);
   std::uint32_t read(std::uint32_t address);
 
-  /// Writes everything; it takes effect when all frames in flight have come out. Refuses what
-  /// check_build() does, and says which register does not hold what was written.
+  /// Writes a configuration, which takes effect when all frames in flight have come out. Refuses
+  /// what check_build() refuses. Fails if a register does not hold the written value.
   Status apply(const Parameters& parameters, const StereoRectification& rectification);
 
-  /// Sends words, until they are taken and `num_frames` frames have come out. Gives these frames;
-  /// those that stay in flight come with the next call. Fails where nothing moves for long, and
-  /// where what comes out is no stream of whole frames.
+  /// Sends words until all are taken and `num_frames` frames have come out. Returns these frames;
+  /// frames that stay in flight come with the next call. Fails if the streams stop moving or the
+  /// output violates the stream contract.
   Result<std::vector<Frame>> stream(const std::vector<Pixel>& words, std::size_t num_frames,
                                     const Flow& flow = {});
-  /// Sends frames, one behind the other, and gives what comes out for them.
+  /// Sends consecutive frames and returns their results.
   Result<std::vector<Frame>> process(const std::vector<GreyPair>& frames, const Flow& flow = {});
 
-  /// Lets the clock run, with nothing offered and every disparity taken.
+  /// Runs the clock without input; takes every disparity.
   void idle(int num_clocks);
 
   Counters counters();
-  /// Of the frame that last left each stage: waits until none is in flight.
+  /// Waits until no frame is in flight. Returns the signature of the last frame of each stage.
   std::array<std::uint32_t, kNumStages> signatures();
 
-  /// Clocks so far.
+  /// Returns the number of clocks since construction.
   std::int64_t clocks() const { return clocks_; }
 
-  /// Every signal from now on, as VCD; for models built with --trace.
+  /// Writes all signals from now on to a VCD file. Works only for models built with --trace.
   Status open_trace(const std::string& path) { return model_.open_trace(path); }
   void close_trace() { model_.close_trace(); }
 
@@ -111,20 +112,20 @@ class Gateware {
   void count_out(const ModelOutputs& out, bool ready);
   void collect(const Word& word);
   void fail(const std::string& what);
-  /// Clocks after which a gateware in which nothing moves is stuck.
-  std::int64_t patience() const;
+  /// Returns the number of clocks without movement after which the gateware is stuck.
+  std::int64_t timeout_clocks() const;
 
   LoadedModel<ModelInterface> model_;
   GatewareBuild build_;
   std::int64_t clocks_ = 0;
 
   // The streams.
-  std::deque<Frame> in_flight_;        // in the order in which they went in
-  std::vector<std::uint16_t> values_;  // of the frame that comes out
-  int row_length_ = 0;                 // of that frame: 0 = not known yet
+  std::deque<Frame> in_flight_;        // oldest first
+  std::vector<std::uint16_t> values_;  // disparities of the oldest frame so far
+  int row_length_ = 0;                 // of that frame; 0: not known yet
   std::vector<Frame> done_;
-  std::optional<ModelOutputs> waiting_;  // a disparity that was offered and not taken
-  std::string failure_;                  // first one since the reset; empty: none
+  std::optional<ModelOutputs> stalled_;  // a disparity that was offered and not taken
+  std::string failure_;                  // the first since the reset; empty: none
 };
 
 }  // namespace fpga_stereo::sim

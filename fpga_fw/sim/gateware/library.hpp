@@ -1,4 +1,4 @@
-// A model that build_model made, loaded: one gateware of it, clock by clock.
+// Loads the models that build_model makes and runs them clock by clock.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace fpga_stereo::sim {
 
-/// A shared object; it stays loaded while somebody holds it.
+/// A loaded shared object. It is unloaded with the last pointer to it.
 class SharedObject {
  public:
   static Result<std::shared_ptr<SharedObject>> open(const std::string& path);
   SharedObject(const SharedObject&) = delete;
   SharedObject& operator=(const SharedObject&) = delete;
   ~SharedObject();
-  /// None if it does not have that.
+  /// Returns the address of a symbol, or null.
   void* symbol(const char* name) const;
 
  private:
@@ -25,27 +25,28 @@ class SharedObject {
   void* handle_;
 };
 
-/// `Of` is an Interface of model.hpp.
+/// One instance of a model. `Of` is an Interface of model.hpp. Not thread-safe.
 template <class Of>
 class LoadedModel {
  public:
-  /// `symbol` names the function that gives the interface. Registers and memories start with random
-  /// values of `seed`. Refuses a file that is no such model.
+  /// Loads a model and creates an instance. `symbol` names the function that returns the interface.
+  /// Registers and memories start with random values from `seed`. Refuses a file that is not such a
+  /// model.
   static Result<LoadedModel> open(const std::string& path, const char* symbol, std::uint32_t seed) {
     const auto object = SharedObject::open(path);
     if (!object) return object.error();
     const auto function = reinterpret_cast<const Of* (*)()>((*object)->symbol(symbol));
-    if (function == nullptr) return refusal(path, "is no model of the gateware");
+    if (function == nullptr) return refusal(path, "is not a model of the gateware");
     LoadedModel loaded;
     loaded.object_ = *object;
     loaded.interface_ = function();
     if (const std::uint32_t version = loaded.interface_->version; version != kModelVersion) {
       return refusal(path, "is a model of version " + std::to_string(version) +
-                               ": this program needs " + std::to_string(kModelVersion));
+                               ": this program needs version " + std::to_string(kModelVersion));
     }
     loaded.model_ = {loaded.interface_->create(seed), loaded.interface_->destroy};
     if (!loaded.model_) {
-      return refusal(path, std::string("the gateware refuses what it was built for: ") +
+      return refusal(path, std::string("the gateware refuses its build parameters: ") +
                                loaded.interface_->error());
     }
     return loaded;
@@ -55,12 +56,13 @@ class LoadedModel {
   LoadedModel& operator=(LoadedModel&&) = delete;  // would unload a model that still exists
 
   const ModelParameters& parameters() const { return interface_->parameters; }
+  /// Simulates one clock. Returns the outputs before its rising edge.
   typename Of::Outputs clock(const typename Of::Inputs& in) {
     typename Of::Outputs out;
     interface_->clock(model_.get(), &in, &out);
     return out;
   }
-  /// Every signal from now on, as VCD; for models built with --trace.
+  /// Writes all signals from now on to a VCD file. Works only for models built with --trace.
   Status open_trace(const std::string& path) {
     if (interface_->open_trace(model_.get(), path.c_str()) != 0) return {};
     return refusal(path, parameters().trace != 0 ? "cannot be written"
@@ -74,7 +76,7 @@ class LoadedModel {
     return {ErrorKind::kInvalid, path + ": " + what};
   }
 
-  std::shared_ptr<SharedObject> object_;  // outlives what is made of it
+  std::shared_ptr<SharedObject> object_;  // outlives model_, whose code it holds
   const Of* interface_ = nullptr;
   std::unique_ptr<void, void (*)(void*)> model_{nullptr, nullptr};
 };

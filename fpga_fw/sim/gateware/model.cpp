@@ -1,4 +1,4 @@
-// One simulated gateware: fs_top as Verilator translated it, behind the interface of model.hpp.
+// Exports fs_top, translated by Verilator, through the interface of model.hpp.
 #include "Vfs_top.h"
 #include "model_base.hpp"
 
@@ -7,7 +7,7 @@ namespace {
 
 struct Ports {
   static void set(const ModelInputs& in, Vfs_top& top) {
-    top.room_i = top.bubble_room_i = 1;  // there is no link
+    top.room_i = top.bubble_room_i = 1;  // no link limits it
     top.write_i = in.write;
     top.read_i = in.read;
     top.address_i = in.address;

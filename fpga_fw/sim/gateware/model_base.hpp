@@ -1,6 +1,5 @@
-// What the models of all modules have in common: a Verilated module behind the interface of
-// model.hpp, but for its ports. For the files that build_model compiles, with the parameters of the
-// build as macros.
+// Implements the interface of model.hpp for any module, except for its ports. Only build_model
+// compiles this file; it passes the build parameters as macros.
 #pragma once
 
 #include <verilated.h>
@@ -17,12 +16,12 @@
 
 namespace fpga_stereo::sim {
 
-inline std::string printed;  // since the last create()
+inline std::string printed;  // by the model since the last create()
 
 template <class Top>
 struct Model {
   explicit Model(std::uint32_t seed) {
-    context.fatalOnError(false);  // $fatal shall not end the program
+    context.fatalOnError(false);  // $fatal must not end the program
     context.randReset(2);
     context.randSeed(static_cast<int>(seed));
 #if FS_TRACE
@@ -53,7 +52,7 @@ struct Model {
 #endif
   }
 
-  static constexpr std::uint64_t kHalfPeriod = 4;  // ns, as VCD says
+  static constexpr std::uint64_t kHalfPeriod = 4;  // ns, the unit of the VCD file
 
   VerilatedContext context;
   std::unique_ptr<Top> top;
@@ -62,7 +61,8 @@ struct Model {
 #endif
 };
 
-/// The interface of Top; `Ports` has set() and get() between its ports and those of the interface.
+/// The interface of Top. `Ports` provides set() and get(), which copy between its ports and the
+/// Inputs and Outputs of the interface.
 template <class Top, class Ports, class Of>
 struct Exported {
   using Inputs = typename Of::Inputs;

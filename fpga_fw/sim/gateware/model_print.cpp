@@ -1,4 +1,4 @@
-// What the files of a model share, compiled once for each.
+// Captures the output of a model. Compiled once for each model.
 #include "model_print.hpp"
 
 #include <cstdarg>
@@ -18,5 +18,5 @@ int fs_print(const char* format, ...) {
 
 double sc_time_stamp() { return 0; }
 
-/// FS_SOURCES is what build_model knows an object by that need not be built again.
+/// Identifies the sources: build_model does not build an object with this text again.
 extern "C" __attribute__((visibility("default"), used)) const char fs_sources[] = FS_SOURCES;

@@ -1,5 +1,5 @@
-// Included into every file of a model: what Verilator's library would print goes to
-// model_print.cpp.
+// Redirects the output of Verilator's library to model_print.cpp. Included into every file of a
+// model.
 #pragma once
 
 int fs_print(const char* format, ...);

@@ -1,4 +1,4 @@
-// One simulated board: fs_system as Verilator translated it, behind the interface of model.hpp.
+// Exports fs_system, translated by Verilator, through the interface of model.hpp.
 #include "Vfs_system.h"
 #include "model_base.hpp"
 

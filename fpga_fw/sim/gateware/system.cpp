@@ -5,7 +5,7 @@
 namespace fpga_stereo::sim {
 namespace {
 
-constexpr std::size_t kPortion = 4096;  // bytes
+constexpr std::size_t kReadBytes = 4096;  // enough for a read of the host
 
 }  // namespace
 
@@ -31,9 +31,9 @@ GatewareBuild SystemModel::build() const {
 }
 
 void SystemModel::set_flow(const Flow& flow) {
-  rx_comes_ = Chance(flow.rx, flow.seed);
-  tx_takes_ = Chance(flow.tx, flow.seed + 1);
-  camera_comes_ = Chance(flow.camera, flow.seed + 2);
+  rx_chance_ = Chance(flow.rx, flow.seed);
+  tx_chance_ = Chance(flow.tx, flow.seed + 1);
+  camera_chance_ = Chance(flow.camera, flow.seed + 2);
   buffer_bytes_ = flow.buffer_bytes;
 }
 
@@ -44,7 +44,7 @@ void SystemModel::reset(int num_clocks) {
   rx_.clear();
   tx_.clear();
   camera_.clear();
-  rx_offered_ = camera_offered_ = false;
+  is_rx_offered_ = is_camera_offered_ = false;
 }
 
 void SystemModel::receive(const std::uint8_t* bytes, std::size_t size) {
@@ -68,17 +68,16 @@ std::int64_t SystemModel::microseconds() const {
                                    parameters().clock_hz);
 }
 
-/// True if a word has left.
 bool SystemModel::clock() {
   SystemInputs in;
-  rx_offered_ = rx_offered_ || (!rx_.empty() && rx_comes_());
-  if (rx_offered_) {
+  is_rx_offered_ = is_rx_offered_ || (!rx_.empty() && rx_chance_());
+  if (is_rx_offered_) {
     in.rx_valid = 1;
     in.rx_data = rx_.front();
   }
-  in.tx_ready = tx_.size() < buffer_bytes_ && tx_takes_() ? 1 : 0;
-  camera_offered_ = camera_offered_ || (!camera_.empty() && camera_comes_());
-  if (camera_offered_) {
+  in.tx_ready = tx_.size() < buffer_bytes_ && tx_chance_() ? 1 : 0;
+  is_camera_offered_ = is_camera_offered_ || (!camera_.empty() && camera_chance_());
+  if (is_camera_offered_) {
     const Pixel& pixel = camera_.front();
     in.valid = 1;
     in.sof = pixel.sof ? 1 : 0;
@@ -88,13 +87,13 @@ bool SystemModel::clock() {
   }
   const SystemOutputs out = model_.clock(in);
   ++clocks_;
-  if (rx_offered_ && out.rx_ready != 0) {
+  if (is_rx_offered_ && out.rx_ready != 0) {
     rx_.pop_front();
-    rx_offered_ = false;
+    is_rx_offered_ = false;
   }
-  if (camera_offered_ && out.ready != 0) {
+  if (is_camera_offered_ && out.ready != 0) {
     camera_.pop_front();
-    camera_offered_ = false;
+    is_camera_offered_ = false;
   }
   if (out.tx_valid == 0 || in.tx_ready == 0) return false;
   for (int byte = 0; byte < 4; ++byte) {
@@ -104,11 +103,11 @@ bool SystemModel::clock() {
 }
 
 bool SystemModel::run(std::int64_t max_clocks) {
-  bool left = false;
+  bool has_left = false;
   for (std::int64_t i = 0; i < max_clocks; ++i) {
     const bool leaves = clock();
-    if (left && (!leaves || tx_.size() >= kPortion)) break;
-    left = left || leaves;
+    if (has_left && (!leaves || tx_.size() >= kReadBytes)) break;
+    has_left = has_left || leaves;
   }
   return !tx_.empty();
 }

@@ -1,5 +1,4 @@
-// A board as what stands at the other end of a line: bytes, cameras, time. One is the software
-// pipeline behind the packets, another the simulated gateware.
+// The interface of a virtual board: bytes from and to the host, camera images, and time.
 #pragma once
 
 #include <chrono>
@@ -14,15 +13,15 @@ class Board {
  public:
   virtual ~Board() = default;
 
-  /// As after power-on. Bytes that wait are lost.
+  /// Returns to the state after power-on. Discards all bytes in both directions.
   virtual void reset() = 0;
-  /// Bytes of the host. How many were taken: a board that is busy holds the line up.
+  /// Takes bytes from the host. Returns how many it took: a busy board takes fewer than `size`.
   virtual std::size_t receive(const std::uint8_t* bytes, std::size_t size) = 0;
-  /// Takes bytes for the host: how many.
+  /// Writes up to `size` bytes for the host to `bytes`. Returns how many it wrote.
   virtual std::size_t transmit(std::uint8_t* bytes, std::size_t size) = 0;
-  /// The cameras deliver a pair. It is dropped where the board takes its images from the host.
+  /// Delivers a pair from the cameras. The board drops it while its input is the host.
   virtual void feed(const GreyPair& pair) = 0;
-  /// Time passes.
+  /// Advances the board's time.
   virtual void run(std::chrono::microseconds time) = 0;
 };
 

@@ -1,6 +1,7 @@
-// A line straight to a board that is a program, for tests: no operating system between them.
+// Connects a transport directly to a virtual board in the same process, for tests.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <mutex>
@@ -10,20 +11,21 @@
 
 namespace fpga_stereo::sim {
 
-/// Thread-safe. The board's time is that of the clock on the wall.
+/// Thread-safe. The board's time follows the steady clock.
 class BoardLine {
  public:
   explicit BoardLine(std::unique_ptr<Board> board) : board_(std::move(board)) {}
 
-  /// A transport to the board; fails while it is unplugged, and while another one is open.
+  /// Opens a transport to the board. Fails while the board is unplugged or another transport is
+  /// open. The transport must not outlive this object.
   Result<std::unique_ptr<link::Transport>> open();
-  /// Unplugged: transports that are open fail with kUnplugged.
-  void plug(bool plugged);
-  /// Held: nothing passes, and the transport knows of nothing.
-  void hold(bool held);
+  /// Plugs or unplugs the board. While it is unplugged, an open transport fails with kUnplugged.
+  void plug(bool is_plugged);
+  /// While the line is held, reads return nothing and writes are discarded without an error.
+  void hold(bool is_held);
   void feed(const GreyPair& pair);
   void reset_board();
-  /// How often each step of recovery was asked for.
+  /// Returns how often the host requested a recovery step.
   int recovered(link::Recovery step) const;
 
  private:
@@ -32,9 +34,9 @@ class BoardLine {
 
   mutable std::mutex mutex_;
   std::unique_ptr<Board> board_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-  bool plugged_ = true, held_ = false, open_ = false;
-  int recovered_[3] = {};
+  std::chrono::steady_clock::time_point last_run_ = std::chrono::steady_clock::now();
+  bool is_plugged_ = true, is_held_ = false, is_open_ = false;
+  std::array<int, 3> recovered_{};  // by Recovery
 };
 
 }  // namespace fpga_stereo::sim

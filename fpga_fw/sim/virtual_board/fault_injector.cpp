@@ -10,16 +10,16 @@ namespace {
 
 constexpr std::array<const char*, kNumLineFaults> kNames{
     "flip", "drop", "insert", "double", "lose", "repeat", "swap", "truncate", "garbage"};
-constexpr auto kFirstOfPackets = static_cast<std::size_t>(LineFault::kLose);
-constexpr double kRateBytes = 1 << 20;
-constexpr double kExtraBytes = 4096;  // between two faults of inject()
-constexpr std::size_t kMostGarbage = 600;
+constexpr auto kFirstPacketFault = static_cast<std::size_t>(LineFault::kLose);
+constexpr double kBytesPerMib = 1 << 20;
+constexpr double kInjectionBytes = 4096;  // mean distance of the faults of inject()
+constexpr std::size_t kMaxGarbage = 600;
 
 }  // namespace
 
 const char* name(LineFault fault) { return kNames[static_cast<std::size_t>(fault)]; }
 
-std::optional<LineFault> line_fault(const std::string& name) {
+std::optional<LineFault> find_line_fault(const std::string& name) {
   const auto* found = std::find(kNames.begin(), kNames.end(), name);
   if (found == kNames.end()) return std::nullopt;
   return static_cast<LineFault>(found - kNames.begin());
@@ -28,31 +28,31 @@ std::optional<LineFault> line_fault(const std::string& name) {
 FaultInjector::FaultInjector(const Rates& rates, std::uint64_t seed) {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     sources_[i].rate = rates[i];
-    // Each kind has numbers of its own: one more kind does not move the others.
+    // Each fault has its own generator, so that enabling one does not move the others.
     sources_[i].random.seed(seed * kNumLineFaults + i);
     schedule(sources_[i]);
   }
 }
 
 void FaultInjector::schedule(Source& source) {
-  double per_byte = source.rate / kRateBytes;
-  if (source.extra > 0) per_byte += 1 / kExtraBytes;
-  source.scheduled = per_byte > 0;
-  if (!source.scheduled) return;
+  double per_byte = source.rate / kBytesPerMib;
+  if (source.num_injected > 0) per_byte += 1 / kInjectionBytes;
+  source.is_scheduled = per_byte > 0;
+  if (!source.is_scheduled) return;
   const double uniform = std::generate_canonical<double, 53>(source.random);
-  source.left = static_cast<std::int64_t>(-std::log1p(-uniform) / per_byte);
+  source.bytes_left = static_cast<std::int64_t>(-std::log1p(-uniform) / per_byte);
 }
 
 void FaultInjector::strike(LineFault fault) {
   ++counts_[static_cast<std::size_t>(fault)];
   Source& hit = source(fault);
-  if (hit.extra > 0) --hit.extra;
+  if (hit.num_injected > 0) --hit.num_injected;
   schedule(hit);
 }
 
 void FaultInjector::inject(LineFault fault, int count) {
   Source& chosen = source(fault);
-  chosen.extra += count;
+  chosen.num_injected += count;
   schedule(chosen);
 }
 
@@ -67,14 +67,14 @@ void FaultInjector::flush(std::vector<std::uint8_t>& out) {
   clear();
 }
 
-bool FaultInjector::packets_at_risk() const {
-  return std::any_of(sources_.begin() + kFirstOfPackets, sources_.end(),
-                     [](const Source& source) { return source.scheduled; });
+bool FaultInjector::has_packet_faults() const {
+  return std::any_of(sources_.begin() + kFirstPacketFault, sources_.end(),
+                     [](const Source& source) { return source.is_scheduled; });
 }
 
 void FaultInjector::push(const std::uint8_t* bytes, std::size_t size,
                          std::vector<std::uint8_t>& out) {
-  if (!waiting() && !packets_at_risk()) return pass(bytes, size, out);
+  if (!has_pending() && !has_packet_faults()) return pass(bytes, size, out);
   held_.insert(held_.end(), bytes, bytes + size);
   scan(out);
 }
@@ -95,28 +95,28 @@ void FaultInjector::scan(std::vector<std::uint8_t>& out) {
     }
     const std::size_t size = link::kHeaderBytes + header->length + link::kCrcBytes;
     if (held_.size() - at < size) break;
-    packet(&held_[at], size, out);
+    pass_packet(&held_[at], size, out);
     at += size;
   }
   held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-/// Whether a fault falls into the next `size` bytes, which have passed then.
+/// Advances the schedule by `size` bytes. Returns whether the fault strikes among them.
 bool FaultInjector::strikes_packet(LineFault fault, std::size_t size) {
   Source& chosen = source(fault);
-  if (!chosen.scheduled) return false;
-  chosen.left -= static_cast<std::int64_t>(size);
-  if (chosen.left >= 0) return false;
+  if (!chosen.is_scheduled) return false;
+  chosen.bytes_left -= static_cast<std::int64_t>(size);
+  if (chosen.bytes_left >= 0) return false;
   strike(fault);
   return true;
 }
 
-void FaultInjector::packet(const std::uint8_t* bytes, std::size_t size,
-                           std::vector<std::uint8_t>& out) {
+void FaultInjector::pass_packet(const std::uint8_t* bytes, std::size_t size,
+                                std::vector<std::uint8_t>& out) {
   std::vector<std::uint8_t> sent;
   if (strikes_packet(LineFault::kGarbage, size)) {
     auto& random = source(LineFault::kGarbage).random;
-    sent.resize(1 + random() % kMostGarbage);
+    sent.resize(1 + random() % kMaxGarbage);
     for (auto& byte : sent) byte = static_cast<std::uint8_t>(random());
   }
   std::size_t kept = size;
@@ -127,7 +127,7 @@ void FaultInjector::packet(const std::uint8_t* bytes, std::size_t size,
   if (strikes_packet(LineFault::kLose, size)) copies = 0;
   for (; copies > 0; --copies) sent.insert(sent.end(), bytes, bytes + kept);
 
-  // One that waits already has found its next; another does not wait behind it.
+  // At most one packet is held back for swapping.
   const bool swap = swapped_.empty() && strikes_packet(LineFault::kSwap, size);
   if (swap) {
     swapped_ = std::move(sent);
@@ -141,22 +141,22 @@ void FaultInjector::packet(const std::uint8_t* bytes, std::size_t size,
 void FaultInjector::pass(const std::uint8_t* bytes, std::size_t size,
                          std::vector<std::uint8_t>& out) {
   for (std::size_t at = 0; at < size;) {
-    // Up to the nearest fault, then that byte.
+    // Copy the bytes up to the nearest fault, then damage one byte.
     std::size_t next = 0;
     auto run = static_cast<std::int64_t>(size - at);
     bool struck = false;
-    for (std::size_t i = 0; i < kFirstOfPackets; ++i) {
-      if (!sources_[i].scheduled || sources_[i].left >= run) continue;
-      run = sources_[i].left;
+    for (std::size_t i = 0; i < kFirstPacketFault; ++i) {
+      if (!sources_[i].is_scheduled || sources_[i].bytes_left >= run) continue;
+      run = sources_[i].bytes_left;
       next = i;
       struck = true;
     }
     out.insert(out.end(), bytes + at, bytes + at + run);
     at += static_cast<std::size_t>(run);
     const std::int64_t passed = struck ? run + 1 : run;
-    for (std::size_t i = 0; i < kFirstOfPackets; ++i) {
-      // Two at one byte: the second one at the next.
-      sources_[i].left = std::max<std::int64_t>(sources_[i].left - passed, 0);
+    for (std::size_t i = 0; i < kFirstPacketFault; ++i) {
+      // If two faults strike one byte, the second moves to the next byte.
+      sources_[i].bytes_left = std::max<std::int64_t>(sources_[i].bytes_left - passed, 0);
     }
     if (struck) damage(static_cast<LineFault>(next), bytes[at++], out);
   }
@@ -176,7 +176,7 @@ void FaultInjector::damage(LineFault fault, std::uint8_t byte, std::vector<std::
       out.insert(out.end(), 2, byte);
       break;
     default:
-      break;  // lost
+      break;  // kDrop
   }
   strike(fault);
 }

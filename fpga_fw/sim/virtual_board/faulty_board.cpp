@@ -7,11 +7,11 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr microseconds kSilence{20000};  // and what waits for the end of a packet goes on
-constexpr microseconds kResetTime{1000000};
-constexpr std::size_t kMostIn = 65536;  // bytes that the board has not taken
-constexpr double kBurst = 0.02;         // s of allowance that can be saved up
-constexpr std::size_t kDiscard = 65536;
+constexpr microseconds kSilence{20000};  // after which an incomplete packet is passed on
+constexpr microseconds kResetDelay{1000000};
+constexpr std::size_t kMaxPendingBytes = 65536;  // from the host
+constexpr double kMaxBurst = 0.02;               // s of allowance that can accumulate
+constexpr std::size_t kDiscardBytes = 65536;     // per read
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void FaultyBoard::reset_board() {
 
 std::size_t FaultyBoard::receive(const std::uint8_t* bytes, std::size_t size) {
   const std::lock_guard lock(mutex_);
-  if (stalled() || in_.size() > kMostIn) return 0;
+  if (is_stalled() || in_.size() > kMaxPendingBytes) return 0;
   silence_in_ = microseconds{0};
   from_host_.push(bytes, size, in_);
   counts_.from_host += size;
@@ -50,7 +50,7 @@ void FaultyBoard::deliver() {
 
 std::size_t FaultyBoard::transmit(std::uint8_t* bytes, std::size_t size) {
   const std::lock_guard lock(mutex_);
-  if (stalled()) return 0;
+  if (is_stalled()) return 0;
   if (options_.bytes_per_s > 0) size = std::min(size, static_cast<std::size_t>(allowance_));
   while (out_.size() - out_at_ < size) {
     if (fetch(size - (out_.size() - out_at_)) == 0) break;
@@ -67,7 +67,7 @@ std::size_t FaultyBoard::transmit(std::uint8_t* bytes, std::size_t size) {
   return part;
 }
 
-/// From the board, through the faults: how many bytes it gave.
+/// Moves up to `size` bytes from the board through the fault injector. Returns how many came.
 std::size_t FaultyBoard::fetch(std::size_t size) {
   std::vector<std::uint8_t> bytes(size);
   std::size_t came = board_->transmit(bytes.data(), bytes.size());
@@ -90,17 +90,17 @@ void FaultyBoard::feed(const GreyPair& pair) {
 void FaultyBoard::run(microseconds time) {
   const std::lock_guard lock(mutex_);
   board_->run(time);
-  stalled_ = std::max(stalled_ - time, microseconds{0});
+  stall_time_ = std::max(stall_time_ - time, microseconds{0});
   if (options_.bytes_per_s > 0) {
     const double seconds = std::chrono::duration<double>(time).count();
     allowance_ = std::min(allowance_ + options_.bytes_per_s * seconds,
-                          std::max(options_.bytes_per_s * kBurst, 1.0));
+                          std::max(options_.bytes_per_s * kMaxBurst, 1.0));
   }
   silence_out_ += time;
   silence_in_ += time;
   if (silence_out_ >= kSilence) to_host_.flush(out_);
   if (silence_in_ >= kSilence) from_host_.flush(in_);
-  if (!stalled()) deliver();
+  if (!is_stalled()) deliver();
   if (reset_in_.count() > 0 && (reset_in_ -= time).count() <= 0) reset_board();
 }
 
@@ -111,13 +111,13 @@ void FaultyBoard::inject(bool to_host, LineFault fault, int count) {
 
 void FaultyBoard::stall(microseconds time) {
   const std::lock_guard lock(mutex_);
-  stalled_ = time;
+  stall_time_ = time;
   ++counts_.stalls;
 }
 
 void FaultyBoard::reset_soon() {
   const std::lock_guard lock(mutex_);
-  reset_in_ = kResetTime;
+  reset_in_ = kResetDelay;
 }
 
 void FaultyBoard::discard() {
@@ -126,7 +126,7 @@ void FaultyBoard::discard() {
   out_.clear();
   out_at_ = 0;
   to_host_.clear();
-  std::vector<std::uint8_t> bytes(kDiscard);
+  std::vector<std::uint8_t> bytes(kDiscardBytes);
   while (const std::size_t came = board_->transmit(bytes.data(), bytes.size()))
     counts_.lost += came;
 }

@@ -1,5 +1,5 @@
-// A board behind a line that damages, delays and breaks off. Everything happens in the board's own
-// time: the same calls give the same bytes.
+// Puts a virtual board behind a faulty line: one that damages, delays and interrupts. It is
+// deterministic, because all delays are in the board's own time.
 #pragma once
 
 #include <memory>
@@ -11,19 +11,19 @@
 
 namespace fpga_stereo::sim {
 
-/// Thread-safe: the line may be served by one thread, the cameras by another.
+/// Thread-safe: one thread may serve the line and another the cameras.
 class FaultyBoard : public Board {
  public:
   struct Options {
     FaultInjector::Rates to_host{}, from_host{};
     std::uint64_t seed = 1;
-    double bytes_per_s = 0;  // that the host takes; 0: as many as it likes
+    double bytes_per_s = 0;  // maximum rate to the host; 0: unlimited
   };
-  /// Since the start.
+  /// Totals since construction.
   struct Counts {
-    std::uint64_t pairs = 0;                   // that the cameras delivered
-    std::uint64_t to_host = 0, from_host = 0;  // bytes on the line
-    std::uint64_t lost = 0;                    // bytes for a host that did not listen
+    std::uint64_t pairs = 0;                   // delivered by the cameras
+    std::uint64_t to_host = 0, from_host = 0;  // bytes carried
+    std::uint64_t lost = 0;                    // bytes to the host that were discarded
     std::uint64_t stalls = 0, resets = 0;
     FaultInjector::Counts faults_to_host{}, faults_from_host{};
   };
@@ -36,20 +36,20 @@ class FaultyBoard : public Board {
   void feed(const GreyPair& pair) override;
   void run(std::chrono::microseconds time) override;
 
-  /// So many faults of a kind among the next bytes.
+  /// Injects `count` faults among the next bytes in one direction.
   void inject(bool to_host, LineFault fault, int count);
-  /// Nothing passes, for so long.
+  /// Carries nothing for `time`.
   void stall(std::chrono::microseconds time);
-  /// The board is reset in the middle of what it sends next; after a second without any, then.
+  /// Resets the board in the middle of the bytes that it sends next, or after a second without any.
   void reset_soon();
-  /// Nobody listens: what waits for the host is lost.
+  /// Discards the bytes that wait for the host. To be called while no host is connected.
   void discard();
-  /// The cable was pulled: what is on the way is lost, too.
+  /// Discards the bytes that wait in both directions, as if the cable was pulled.
   void cut();
   Counts counts() const;
 
  private:
-  bool stalled() const { return stalled_.count() > 0; }
+  bool is_stalled() const { return stall_time_.count() > 0; }
   std::size_t fetch(std::size_t size);
   void deliver();
   void reset_board();
@@ -58,10 +58,10 @@ class FaultyBoard : public Board {
   const std::unique_ptr<Board> board_;
   const Options options_;
   FaultInjector to_host_, from_host_;
-  std::vector<std::uint8_t> out_, in_;  // behind the faults, not yet taken
-  std::size_t out_at_ = 0;
-  double allowance_ = 0;  // bytes that the host takes now
-  std::chrono::microseconds stalled_{0}, silence_out_{0}, silence_in_{0}, reset_in_{0};
+  std::vector<std::uint8_t> out_, in_;  // behind the fault injectors, not yet taken
+  std::size_t out_at_ = 0;              // bytes of out_ that the host has taken
+  double allowance_ = 0;                // bytes that the rate limit permits now
+  std::chrono::microseconds stall_time_{0}, silence_out_{0}, silence_in_{0}, reset_in_{0};
   Counts counts_;
 };
 

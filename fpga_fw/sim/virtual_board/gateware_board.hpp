@@ -1,4 +1,4 @@
-// A board whose gateware is the simulated one, link included.
+// A virtual board that computes with the simulated gateware, including its end of the link.
 #pragma once
 
 #include "sim/gateware/system.hpp"
@@ -6,7 +6,7 @@
 
 namespace fpga_stereo::sim {
 
-/// Its time is that of its clock: a simulation that is slower than ClockHz lags behind.
+/// Its time is that of its clock: if the simulation is slower than ClockHz, the time lags behind.
 class GatewareBoard : public Board {
  public:
   explicit GatewareBoard(SystemModel model) : model_(std::move(model)) {}
@@ -14,7 +14,7 @@ class GatewareBoard : public Board {
   void reset() override;
   std::size_t receive(const std::uint8_t* bytes, std::size_t size) override;
   std::size_t transmit(std::uint8_t* bytes, std::size_t size) override;
-  /// A pair that comes before the last one has gone in is not seen.
+  /// Ignores the pair if the previous one has not been read completely.
   void feed(const GreyPair& pair) override;
   void run(std::chrono::microseconds time) override;
 

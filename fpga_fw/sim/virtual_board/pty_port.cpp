@@ -21,14 +21,15 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kChunk = 65536;
-constexpr milliseconds kLookOut{10};  // how often it is looked whether somebody has opened it
-constexpr milliseconds kBusy{1};      // while the board has bytes that nothing tells of
+constexpr milliseconds kHostPollPeriod{10};  // while no host has opened the path
+constexpr milliseconds kBusyPeriod{1};       // while the board is too busy to take bytes
 
 std::runtime_error failure(const std::string& what) {
   return std::runtime_error(what + ": " + std::strerror(errno));
 }
 
-/// Raw from the start, and once closed: only then the other side is known to be absent.
+/// Sets the line to raw mode. Opens and closes the slave once, because only then does poll() report
+/// that no host is connected.
 void prepare(const char* slave) {
   const int line = open(slave, O_RDWR | O_NOCTTY | O_CLOEXEC);
   termios settings{};
@@ -43,7 +44,7 @@ void prepare(const char* slave) {
 PtyPort::PtyPort(std::string path) : path_(std::move(path)) {
   std::error_code error;
   if (fs::exists(fs::symlink_status(path_, error)) && !fs::is_symlink(path_)) {
-    throw std::runtime_error(path_ + ": is there already, and no symbolic link");
+    throw std::runtime_error(path_ + ": exists and is not a symbolic link");
   }
 }
 
@@ -58,7 +59,7 @@ void PtyPort::close_line() {
 }
 
 void PtyPort::plug(bool plugged) {
-  if (plugged == this->plugged()) return;
+  if (plugged == is_plugged()) return;
   from_host_.clear();
   to_host_.clear();
   if (!plugged) return close_line();
@@ -66,27 +67,27 @@ void PtyPort::plug(bool plugged) {
   std::array<char, 64> name{};
   if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0 ||
       ptsname_r(master_, name.data(), name.size()) != 0) {
-    throw failure("a pseudo terminal cannot be made");
+    throw failure("cannot create a pseudo terminal");
   }
   prepare(name.data());
-  // In one step: whoever looks for the path never finds half of it.
-  const std::string made = path_ + ".new";
+  // Rename is atomic: a host never finds a partial link.
+  const std::string new_path = path_ + ".new";
   std::error_code error;
-  fs::remove(made, error);
-  fs::create_symlink(name.data(), made, error);
-  if (!error) fs::rename(made, path_, error);
-  if (error) throw std::runtime_error(path_ + ": cannot be made: " + error.message());
+  fs::remove(new_path, error);
+  fs::create_symlink(name.data(), new_path, error);
+  if (!error) fs::rename(new_path, path_, error);
+  if (error) throw std::runtime_error(path_ + ": cannot be created: " + error.message());
 }
 
 bool PtyPort::has_host() const {
-  if (!plugged()) return false;
+  if (!is_plugged()) return false;
   pollfd line{master_, POLLIN, 0};
   poll(&line, 1, 0);
   return (line.revents & POLLHUP) == 0;
 }
 
 bool PtyPort::move(Board& board) {
-  if (!plugged()) return false;
+  if (!is_plugged()) return false;
   const bool has_host = this->has_host();
   const bool moved = move_from_host(board);
   if (has_host) return move_to_host(board) || moved;
@@ -118,14 +119,15 @@ bool PtyPort::move_to_host(Board& board) {
   return true;
 }
 
-void PtyPort::wait(milliseconds most) const {
-  // A hang-up is always ready: poll() would not wait.
-  if (!has_host()) return std::this_thread::sleep_for(std::min(most, kLookOut));
+void PtyPort::wait(milliseconds timeout) const {
+  // Without a host, poll() would return at once with a hang-up.
+  if (!has_host()) return std::this_thread::sleep_for(std::min(timeout, kHostPollPeriod));
   pollfd line{master_, 0, 0};
   if (from_host_.empty()) line.events |= POLLIN;
   if (!to_host_.empty()) line.events |= POLLOUT;
-  const bool held = !from_host_.empty();  // by the board
-  poll(&line, 1, static_cast<int>((held ? std::min(most, kBusy) : most).count()));
+  const bool is_board_busy = !from_host_.empty();
+  poll(&line, 1,
+       static_cast<int>((is_board_busy ? std::min(timeout, kBusyPeriod) : timeout).count()));
 }
 
 }  // namespace fpga_stereo::sim

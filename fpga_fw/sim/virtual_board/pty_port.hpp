@@ -1,4 +1,4 @@
-// The board's end of a serial line that is a pseudo terminal.
+// The end of a serial line on which a virtual board is; the line is a pseudo terminal.
 #pragma once
 
 #include <chrono>
@@ -12,25 +12,26 @@ namespace fpga_stereo::sim {
 
 class PtyPort {
  public:
-  /// The host opens `path`, a symbolic link that lasts while the port is plugged in. Throws
-  /// std::runtime_error where the path is taken or cannot be made. Not plugged in yet.
+  /// Creates an unplugged port. While it is plugged in, `path` is a symbolic link that the host
+  /// opens. Throws std::runtime_error if `path` exists and is not a symbolic link.
   explicit PtyPort(std::string path);
   ~PtyPort();
   PtyPort(const PtyPort&) = delete;
   PtyPort& operator=(const PtyPort&) = delete;
 
-  /// Bytes that are under way are lost.
+  /// Plugs the port in or out, and discards all bytes in flight. Throws std::runtime_error if the
+  /// pseudo terminal or the link cannot be created.
   void plug(bool plugged);
-  bool plugged() const { return master_ >= 0; }
+  bool is_plugged() const { return master_ >= 0; }
   const std::string& path() const { return path_; }
-  /// Whether somebody has opened the path.
+  /// Returns whether a host has opened the path.
   bool has_host() const;
 
-  /// Bytes both ways, once; to the host only where there is one, else they are dropped. Whether any
-  /// have moved.
+  /// Moves bytes in both directions once. Discards the bytes to the host if no host is connected.
+  /// Returns whether any bytes moved.
   bool move(Board& board);
-  /// Until there is something to move, at most so long.
-  void wait(std::chrono::milliseconds most) const;
+  /// Blocks until there are bytes to move or `timeout` expires.
+  void wait(std::chrono::milliseconds timeout) const;
 
  private:
   void close_line();
@@ -39,7 +40,7 @@ class PtyPort {
 
   const std::string path_;
   int master_ = -1;
-  std::vector<std::uint8_t> from_host_, to_host_;  // that have not gone on yet
+  std::vector<std::uint8_t> from_host_, to_host_;  // not yet passed on
 };
 
 }  // namespace fpga_stereo::sim

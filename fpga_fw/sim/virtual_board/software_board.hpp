@@ -1,36 +1,29 @@
-// A board whose gateware is the software pipeline: for full rate, and for what hardware does not do
-// on demand. The packets and registers are those of fpga_fw/spec/link.md.
+// A virtual board that computes with the software pipeline: as fast as the software, and with
+// faults that hardware does not have on demand. It speaks the protocol of fpga_fw/spec/link.md.
 #pragma once
 
-#include <array>
 #include <deque>
-#include <map>
 #include <vector>
 
-#include "fpga_stereo/core/gateware_configuration.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
 #include "link/decoder.hpp"
 #include "link/frame_assembler.hpp"
 #include "link/request.hpp"
 #include "sim/virtual_board/board.hpp"
+#include "sim/virtual_board/board_registers.hpp"
 
 namespace fpga_stereo::sim {
 
 class SoftwareBoard : public Board {
  public:
-  struct Options {
-    GatewareBuild build;
-    link::StreamSet streams = link::StreamSet::all();  // that it can send, or take
-    std::uint32_t clock_hz = 100000000;                // that it says it has
-    std::size_t most_waiting = 8 << 20;  // bytes for the host: a frame behind them is dropped
-    std::size_t payload = 4096;          // bytes: rows go in packets of so many
+  struct Options : BoardRegisters::Options {
+    std::size_t max_queued_bytes = 8 << 20;  // for the host; beyond them the board drops frames
+    std::size_t payload_bytes = 4096;        // size of rows packets
     int num_threads = 1;
-    /// What was made of a pair is kept: pairs that come again cost no computation.
-    std::size_t kept_pairs = 0;
-    /// Registers that hold this, whatever is written: wrong identity, version, hash; defects.
-    std::map<std::uint32_t, std::uint32_t> wrong;
-    std::uint8_t version = kLinkVersion;  // of its packets
-    int wrong_pixels = 0;                 // so many disparities of a frame are not the pipeline's
+    /// Number of pairs whose results are cached. Pairs are recognized by their data pointers.
+    std::size_t cached_pairs = 1;
+    std::uint8_t packet_version = kLinkVersion;
+    int wrong_pixels = 0;  // disparities at the start of each frame that are falsified
     Options();
   };
 
@@ -43,57 +36,54 @@ class SoftwareBoard : public Board {
   void feed(const GreyPair& pair) override;
   void run(std::chrono::microseconds time) override;
 
+  /// Returns the value of a register, as the board itself sees it.
   std::uint32_t peek(std::uint32_t address) const;
-  /// A frame is under way, and does not end: an apply waits for its end.
-  void hold_frame(bool held);
+  /// While a frame is held in flight, an apply stays pending until it ends.
+  void hold_frame(bool is_held) { registers_.hold_frame(is_held); }
 
  private:
-  /// What the pipeline made of a pair.
-  struct Made {
+  struct Outputs {
     GreyPair raw;
-    cv::Mat1b left, right;
+    cv::Mat1b left, right;  // rectified
     cv::Mat1w disparity;
   };
+  /// What all images of a frame set carry.
+  struct FrameHeader {
+    std::uint64_t frame_id = 0, timestamp_us = 0;
+    std::uint32_t flags = 0;
+  };
 
-  void take(const link::Packet& packet);
+  void handle(const link::Packet& packet);
+  void handle_request(const link::Packet& packet);
+  void handle_input(const link::Packet& packet);
   void answer(const link::Header& request, link::PacketType type,
               const std::vector<std::uint8_t>& payload);
-  void refuse(const link::Header& request, std::uint32_t why);
-  void write(std::uint32_t address, std::uint32_t value);
-  void apply();
-  void take_input(const link::Packet& packet);
-  void frame(const GreyPair& pair, std::uint64_t frame_id, std::uint64_t timestamp,
-             std::uint32_t flags);
-  const Made& make(const GreyPair& pair);
-  void send(link::Stream stream, const cv::Mat& image, std::uint64_t frame_id,
-            std::uint64_t timestamp, std::uint32_t flags);
-  bool host_alive() const;
+  void refuse(const link::Header& request, std::uint32_t reason);
 
-  Options options_;
-  std::array<std::uint32_t, 256> registers_{};
-  std::array<std::vector<std::uint32_t>, 2> mesh_;  // shadow, by node
-  bool mesh_written_ = false;
-  bool frame_held_ = false;
+  void process(const GreyPair& pair, FrameHeader header);
+  bool has_valid_size(const GreyPair& pair);
+  void send_results(const GreyPair& pair, FrameHeader header);
+  const Outputs& outputs_of(const GreyPair& pair);
+  bool is_wanted(link::Stream stream) const;
+  void send(link::Stream stream, const cv::Mat& image, const FrameHeader& header);
+  bool is_host_alive() const;
 
-  // In effect.
-  Parameters parameters_;
-  StereoRectification rectification_;
-  std::uint32_t frame_flags_ = 0;
-  std::array<std::vector<std::uint32_t>, 2> active_mesh_;
-
+  const Options options_;
+  BoardRegisters registers_;
   std::uint64_t time_us_ = 0;
-  std::uint64_t last_byte_ = 0, last_heard_ = 0, next_heartbeat_ = 0;
-  bool heard_ = false;
-  std::uint64_t next_frame_ = 0;
-  std::uint64_t pairs_ = 0, sent_pairs_ = 0;
+  std::uint64_t last_byte_us_ = 0, last_packet_us_ = 0, next_heartbeat_us_ = 0;
+  bool has_heard_host_ = false;
+  std::uint64_t next_frame_id_ = 0;
+  std::uint64_t num_pairs_ = 0, num_sent_pairs_ = 0;
   std::uint32_t sequence_ = 0;
   link::Decoder decoder_;
   link::FrameAssembler input_;
-  std::vector<link::AssembledFrame> pairs_in_;
-  std::vector<std::uint8_t> waiting_;
-  std::size_t taken_ = 0;  // of waiting_
+  std::vector<link::AssembledFrame> input_frames_;
+  std::vector<std::uint8_t> queue_;  // for the host
+  std::size_t queue_read_ = 0;       // bytes of queue_ that the host has taken
   Pipeline pipeline_;
-  std::deque<Made> made_;
+  std::deque<Outputs> cache_;
+  std::uint32_t cached_configuration_ = 0;  // that the cache was computed with
 };
 
 }  // namespace fpga_stereo::sim

@@ -16,7 +16,7 @@
 namespace fpga_stereo::sim {
 namespace {
 
-constexpr std::size_t kMostRetired = 16;
+constexpr std::size_t kMaxRetired = 16;
 
 std::string hex(const std::vector<unsigned>& bytes) {
   std::string text;
@@ -28,7 +28,7 @@ std::string hex(const std::vector<unsigned>& bytes) {
   return text;
 }
 
-/// Device and configuration descriptor (USB 2.0, 9.6).
+/// Returns device and configuration descriptor (USB 2.0, section 9.6) in hexadecimal.
 std::string descriptors(unsigned vendor, unsigned product, unsigned release, bool hub,
                         unsigned packet) {
   std::vector<unsigned> bytes = {
@@ -61,8 +61,8 @@ std::string three(int number) {
 
 int number_of(const std::string& node) { return std::stoi(node.substr(node.rfind('/') + 1)); }
 
-/// What umockdev_testbed_add_from_string() takes. `dev` ends no line:
-/// umockdev_testbed_remove_device() takes the attribute, as it is, for the name of a link.
+/// Returns the text for umockdev_testbed_add_from_string(). The attribute `dev` must not end with a
+/// newline, because umockdev_testbed_remove_device() uses it as the name of a link.
 std::string description(const std::string& path, int number, const std::string& attributes) {
   return "P: " + path + "\nE: DEVNAME=/dev/bus/usb/001/" + three(number) +
          "\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=001\nE: DEVNUM=" + three(number) +
@@ -86,7 +86,7 @@ UsbTestbed::UsbTestbed() : testbed_(umockdev_testbed_new()) {
   if (umockdev_in_mock_environment() == FALSE) {
     throw std::runtime_error("libumockdev-preload.so.0 is not loaded");
   }
-  // Without a bus libusb would look at /dev of this machine.
+  // Without a bus, libusb would search /dev of this machine.
   const std::lock_guard lock(mutex_);
   std::filesystem::create_directories(root_ + "/dev/bus/usb/001");
   add_hub("usb1", "/devices/usb1");
@@ -94,13 +94,13 @@ UsbTestbed::UsbTestbed() : testbed_(umockdev_testbed_new()) {
 
 UsbTestbed::~UsbTestbed() {
   g_object_unref(testbed_);
-  std::error_code none;
-  if (moved_) std::filesystem::remove_all(root_, none);
+  std::error_code ignored;
+  if (moved_) std::filesystem::remove_all(root_, ignored);
 }
 
 void UsbTestbed::move_to(const std::string& folder) {
   const std::lock_guard lock(mutex_);
-  // Programs look for its real path; umockdev itself, which chose the name, is content with a link.
+  // Other programs use the real path; umockdev, which chose the old name, follows the link.
   std::filesystem::rename(root_, folder);
   std::filesystem::create_directory_symlink(folder, root_);
   root_ = folder;
@@ -117,10 +117,10 @@ void UsbTestbed::describe(const std::string& text) {
   if (umockdev_testbed_add_from_string(testbed_, text.c_str(), &error) != FALSE) return;
   const std::string message = error != nullptr ? error->message : "unknown";
   g_clear_error(&error);
-  throw std::runtime_error("umockdev does not take the device: " + message);
+  throw std::runtime_error("umockdev refuses the device: " + message);
 }
 
-/// As the kernel does: each the next, from 127 on those that have become free.
+/// Returns the next free device number. Like the kernel, it counts up to 127 and starts again.
 int UsbTestbed::next_number() {
   do {
     last_number_ = last_number_ % 127 + 1;
@@ -131,14 +131,14 @@ int UsbTestbed::next_number() {
 std::string UsbTestbed::make_node(_UMockdevIoctlBase* handler, int& fifo) {
   const std::lock_guard lock(mutex_);
   std::string node = "/dev/bus/usb/001/" + three(next_number());
-  // Before the device is shown: whoever sees it may open it at once.
+  // Attach first: once the device is shown, programs may open it at once.
   if (umockdev_testbed_attach_ioctl(testbed_, node.c_str(), handler, nullptr) == FALSE) {
-    throw std::runtime_error("umockdev does not take the handler of " + node);
+    throw std::runtime_error("umockdev refuses the handler of " + node);
   }
   const std::string file = root_ + node;
   std::filesystem::create_directories(root_ + "/dev/bus/usb/001");
   if (mkfifo(file.c_str(), 0666) != 0 || chmod(file.c_str(), 0666) != 0) {
-    throw std::runtime_error("cannot make " + file + ": " + std::strerror(errno));
+    throw std::runtime_error("cannot create " + file + ": " + std::strerror(errno));
   }
   fifo = open(file.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (fifo < 0) throw std::runtime_error("cannot open " + file + ": " + std::strerror(errno));
@@ -149,7 +149,8 @@ std::string UsbTestbed::make_node(_UMockdevIoctlBase* handler, int& fifo) {
 void UsbTestbed::add_hub(const std::string& name, const std::string& path) {
   if (!hubs_.emplace(name, path).second) return;
   const int number = next_number();
-  // Nobody opens a hub, but libusb wants to know where it is. Its file keeps the folder alive.
+  // Nobody opens a hub, but libusb reads its position. Its file keeps the folder from being
+  // removed.
   std::ofstream(root_ + "/dev/bus/usb/001/" + three(number));
   describe(description(path, number,
                        "A: speed=480\\n\nA: idVendor=1d6b\\n\nA: idProduct=0002\\n\n"
@@ -184,17 +185,16 @@ void UsbTestbed::remove(const std::string& syspath, const std::string& node) {
   const std::lock_guard lock(mutex_);
   umockdev_testbed_uevent(testbed_, syspath.c_str(), "remove");
   umockdev_testbed_remove_device(testbed_, syspath.c_str());
-  // A program that was just about to open it would be ended by umockdev if nobody answered.
+  // Keep the handler for a while: umockdev ends a program that opens a file without a handler.
   retired_.push_back(node);
-  if (retired_.size() <= kMostRetired) return;
+  if (retired_.size() <= kMaxRetired) return;
   umockdev_testbed_detach_ioctl(testbed_, retired_.front().c_str(), nullptr);
   numbers_.erase(number_of(retired_.front()));
   retired_.pop_front();
 }
 
 void UsbTestbed::permit(const std::string& node, bool others) {
-  // Everyone must find the device (and hear of others: libusb makes a socket), to be told that it
-  // is not for them.
+  // All users must find the device, and libusb must create a socket, for open() to be refused.
   chmod(root_.c_str(), 0777);
   chmod((root_ + "/ioctl/" + node).c_str(), 0777);
   chmod((root_ + node).c_str(), others ? 0666 : 0600);

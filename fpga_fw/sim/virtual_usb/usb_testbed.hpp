@@ -1,5 +1,5 @@
-// The one umockdev testbed of this process: the tree of USB devices that libusb sees in place of
-// the real one.
+// The umockdev testbed of this process: the tree of USB devices that libusb sees instead of the
+// real one.
 #pragma once
 
 #include <deque>
@@ -19,19 +19,22 @@ namespace fpga_stereo::sim {
 
 class UsbTestbed {
  public:
-  /// Made by the first call, before the first use of libusb; lasts as long as the process.
+  /// Returns the testbed, which the first call creates. It must precede the first use of libusb.
   static UsbTestbed& get();
-  /// Moves it to `folder`, which must not exist: programs that start before this one can be told
-  /// where it will be. Before the first device.
+  /// Moves the tree to `folder`, which must not exist, so that programs that start earlier know its
+  /// place. To be called before the first device is added.
   void move_to(const std::string& folder);
 
-  /// A device's file, under the next free number, and the FIFO behind it.
+  /// Creates the file of a device under the next free device number. Returns its path and, in
+  /// `fifo`, the descriptor of the FIFO behind it, which the caller closes.
   std::string make_node(_UMockdevIoctlBase* handler, int& fifo);
-  /// Shows a device (and the hubs above it) to libusb; its path in sysfs.
+  /// Shows a device and the hubs above it to libusb. Returns its path in sysfs.
   std::string add(const UsbfsDevice::Identity& identity, const std::string& node);
   void remove(const std::string& syspath, const std::string& node);
 
+  /// Allows or forbids users other than root to open a device.
   void permit(const std::string& node, bool others);
+  /// Returns the "NAME=VALUE" pairs with which another process sees these devices.
   std::vector<std::string> environment() const;
 
  private:
@@ -47,7 +50,7 @@ class UsbTestbed {
   bool moved_ = false;
   int last_number_ = 0;
   std::set<int> numbers_;                    // in use
-  std::deque<std::string> retired_;          // files of devices that are gone, still answered for
+  std::deque<std::string> retired_;          // files of removed devices, still handled
   std::map<std::string, std::string> hubs_;  // name, path
 };
 

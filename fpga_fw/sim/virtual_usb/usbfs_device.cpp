@@ -18,16 +18,16 @@ int UsbfsDevice::handle_ioctl(void*, UMockdevIoctlClient* client, void* session)
 }
 
 void UsbfsDevice::handle_connected(void*, UMockdevIoctlClient* client, void* session) {
-  // That a client has closed its file shows only here; its transfers end then.
+  // A client is destroyed when it closes its file: this ends its transfers.
   auto* held = new std::shared_ptr<Session>(*static_cast<std::shared_ptr<Session>*>(session));
   {
     const std::lock_guard lock((*held)->shared->mutex);
     ++(*held)->shared->clients;
   }
   const auto closed = +[](gpointer data, GObject* gone) {
-    auto* session_of_it = static_cast<std::shared_ptr<Session>*>(data);
-    (*session_of_it)->vanished(gone);
-    delete session_of_it;
+    auto* closed_session = static_cast<std::shared_ptr<Session>*>(data);
+    (*closed_session)->remove_client(gone);
+    delete closed_session;
   };
   g_object_weak_ref(G_OBJECT(client), closed, held);
 }
@@ -39,7 +39,7 @@ UsbfsDevice::~UsbfsDevice() = default;
 
 std::mutex& UsbfsDevice::mutex() const { return shared_->mutex; }
 
-bool UsbfsDevice::plugged() const {
+bool UsbfsDevice::is_plugged() const {
   const std::lock_guard lock(mutex());
   return plugged_in();
 }
@@ -50,11 +50,11 @@ bool UsbfsDevice::wait_until_closed(std::chrono::milliseconds timeout) const {
 }
 
 std::deque<UsbfsDevice::UrbPtr>& UsbfsDevice::urbs(std::uint8_t endpoint) {
-  return session_ ? session_->queue(endpoint) : none_;
+  return session_ ? session_->queue(endpoint) : no_urbs_;
 }
 
 void UsbfsDevice::finish(const UrbPtr& urb, int status) {
-  if (session_) session_->finish(urb, urb->discarded ? -ENOENT : status);
+  if (session_) session_->finish(urb, urb->is_discarded ? -ENOENT : status);
 }
 
 void UsbfsDevice::refuse_claims(int error) {
@@ -85,11 +85,11 @@ void UsbfsDevice::plug() {
   g_signal_connect_data(session->handler, "client-connected", G_CALLBACK(&handle_connected), hold(),
                         release, GConnectFlags{});
   session->node = testbed.make_node(session->handler, session->fifo);
-  session->ready = true;  // an empty FIFO
+  session->is_ready = true;  // a new FIFO is empty
   session->show_ready();
   {
     const std::lock_guard lock(mutex());
-    if (session_) throw std::logic_error("plugged in already");
+    if (session_) throw std::logic_error("the device is plugged in already");
     session->device = this;
     session_ = session;
   }

@@ -1,6 +1,6 @@
-// A USB device without hardware, for programs that know nothing of it: umockdev carries what
-// libusb asks of the kernel (sysfs, uevents, the ioctls of usbfs) to this class, in the same
-// process or from another one. What the device does stands in a derived class.
+// A USB device without hardware, usable by unmodified programs: umockdev passes libusb's system
+// calls (sysfs, uevents, usbfs ioctls) to this class, from this process or another one. A derived
+// class defines the behaviour of the device.
 #pragma once
 
 #include <chrono>
@@ -21,58 +21,59 @@ class UsbfsDevice {
   struct Identity {
     std::uint16_t vendor = 0, product = 0, release = 0;
     std::string manufacturer, product_name, serial_number;
-    std::string port = "1-1";    // bus 1; the hubs on the way are made as well
+    std::string port = "1-1";    // on bus 1; hubs on the path are created
     bool high_speed = true;      // bulk packets of 512 bytes, else 64
-    bool kernel_driver = false;  // one is bound to the interface
+    bool kernel_driver = false;  // ftdi_sio is bound to the interface
   };
 
-  /// Not plugged in.
+  /// Creates an unplugged device.
   explicit UsbfsDevice(Identity identity);
   UsbfsDevice(const UsbfsDevice&) = delete;
   UsbfsDevice& operator=(const UsbfsDevice&) = delete;
-  /// Unplugged by then: hooks are the derived class's.
+  /// The derived class must have unplugged it, because unplugging calls the hooks.
   virtual ~UsbfsDevice();
 
-  /// Each time with another device number, as from a kernel.
+  /// Plugs the device in, under a new device number.
   void plug();
-  /// Transfers under way end as with a device that is gone.
+  /// Unplugs the device; transfers in flight fail with ESHUTDOWN.
   void unplug();
-  bool plugged() const;
+  bool is_plugged() const;
 
-  /// Whether within `timeout` nobody has the device open any more, unplugged ones included. A
-  /// program in a system call of this device dies with this process: unplug, then wait, then end.
+  /// Blocks until no program has the device open, also after it was unplugged. Returns false on
+  /// timeout. If this process ends while a program is in a system call of this device, that program
+  /// dies: unplug, wait, then end.
   bool wait_until_closed(std::chrono::milliseconds timeout) const;
 
-  /// The errno that claiming the interface ends with; 0: none.
+  /// Makes claims of the interface fail with this errno; 0 allows them.
   void refuse_claims(int error);
-  /// Whether others than root may open the device: as if no udev rule were installed.
+  /// Allows or forbids users other than root to open the device, as with or without a udev rule.
   void permit(bool others);
 
-  /// Where the tree of devices shall be, before the first one is made: an absolute path of nothing
-  /// that exists. Without this it is somewhere in the folder for temporary files.
+  /// Sets the folder of the device tree, an absolute path that does not exist. To be called before
+  /// the first device is created. The default is a new folder for temporary files.
   static void place_devices(const std::string& folder);
-  /// What another process needs in its environment ("NAME=VALUE") to see this process's devices. Of
-  /// umockdev 0.17: the 50th failed open() of a file under /dev ends that process, and two
-  /// processes that wait for devices to come and go may take each other's news.
+  /// Returns the environment ("NAME=VALUE") with which another process sees the devices of this
+  /// one. Limits of umockdev 0.17: the 50th failed open() of a file under /dev ends that process,
+  /// and two processes that wait for hotplug events may receive each other's events.
   static std::vector<std::string> environment();
 
  protected:
   static constexpr std::uint8_t kIn = 0x81, kOut = 0x02;
-  static constexpr int kHold = 1;  // control() does not answer
+  static constexpr int kHold = 1;  // result of control(): no answer
 
   struct Setup {
     std::uint8_t type, request;
     std::uint16_t value, index, length;
   };
 
-  /// A transfer under way.
+  /// A transfer in flight.
   struct Urb {
     std::uint8_t endpoint = 0;
     std::size_t size = 0;             // of the host's buffer
-    std::vector<std::uint8_t> bytes;  // in: what the host gets; out: what it sent
-    std::size_t taken = 0;            // out: bytes the device has taken
-    bool busy = false;                // the device works on it without the lock
-    bool discarded = false;           // by the host, while busy
+    std::vector<std::uint8_t> bytes;  // in: for the host; out: from the host
+    std::size_t taken = 0;            // out: bytes that the device has taken
+    bool is_busy = false;             // the device uses it without holding the lock
+    bool is_discarded = false;        // by the host, while it is busy
 
     int status = 0;
     std::uint64_t address = 0;  // in the host's memory
@@ -81,19 +82,22 @@ class UsbfsDevice {
   };
   using UrbPtr = std::shared_ptr<Urb>;
 
-  // The hooks; the lock is held.
-  /// Answers with 0, with -EPIPE (not understood), or not at all: kHold.
+  // Hooks, called with the lock held.
+  /// Handles a control transfer. Returns 0, -EPIPE to stall it, or kHold to leave it unanswered.
   virtual int control(const Setup& setup, std::vector<std::uint8_t>& bytes) = 0;
-  virtual void submitted() = 0;
-  virtual void halt_cleared(std::uint8_t endpoint) = 0;
-  virtual void reset() = 0;
+  /// A bulk transfer was submitted.
+  virtual void on_submitted() = 0;
+  /// The host cleared the halt of an endpoint.
+  virtual void on_halt_cleared(std::uint8_t endpoint) = 0;
+  /// The host reset the device.
+  virtual void on_reset() = 0;
 
-  // For those who hold the lock.
   std::mutex& mutex() const;
+  // The caller of these holds the lock.
   bool plugged_in() const { return session_ != nullptr; }
-  /// Transfers under way, oldest first; empty if not plugged in.
+  /// Returns the transfers in flight, oldest first; empty while unplugged.
   std::deque<UrbPtr>& urbs(std::uint8_t endpoint);
-  /// Ends one: 0 or a negative errno. Does nothing if it has ended.
+  /// Ends a transfer with 0 or a negative errno, unless it has ended already.
   void finish(const UrbPtr& urb, int status);
 
   const Identity identity_;
@@ -106,7 +110,7 @@ class UsbfsDevice {
 
   std::shared_ptr<Shared> shared_;
   std::shared_ptr<Session> session_;  // while plugged in
-  std::deque<UrbPtr> none_;
+  std::deque<UrbPtr> no_urbs_;
   int number_ = 0;
   int claim_error_ = 0;
 };

@@ -1,4 +1,4 @@
-// The ioctls of usbfs (the kernel's drivers/usb/core/devio.c), as far as libusb asks for them.
+// The usbfs ioctls that libusb uses, with the semantics of the kernel's drivers/usb/core/devio.c.
 #include "sim/virtual_usb/usbfs_session.hpp"
 
 #include <linux/usbdevice_fs.h>
@@ -12,8 +12,8 @@ namespace {
 
 using Data = std::shared_ptr<UMockdevIoctlData>;
 
-/// The memory that the pointer at `offset` points to, in the process of the client. Only while the
-/// client waits for its answer.
+/// Maps the memory that the pointer at `offset` points to in the client's process. Valid while the
+/// client waits for the answer.
 Data resolve(UMockdevIoctlData* data, std::size_t offset, std::size_t size) {
   return {umockdev_ioctl_data_resolve(data, offset, size, nullptr), [](UMockdevIoctlData* child) {
             if (child != nullptr) g_object_unref(child);
@@ -27,7 +27,7 @@ T* as(const Data& data) {
 
 }  // namespace
 
-void UsbfsDevice::Session::vanished(const void* client) {
+void UsbfsDevice::Session::remove_client(const void* client) {
   const std::lock_guard lock(shared->mutex);
   --shared->clients;
   shared->closed.notify_all();
@@ -61,7 +61,7 @@ int UsbfsDevice::Session::submit(UMockdevIoctlClient* client) {
   }
   queue(urb->endpoint).push_back(urb);
   if (!is_control) {
-    device->submitted();
+    device->on_submitted();
     return 0;
   }
   if (urb->size < 8) return -EINVAL;
@@ -92,7 +92,7 @@ int UsbfsDevice::Session::reap(UMockdevIoctlClient* client) {
   const bool is_in = urb->endpoint == kIn;
   raw->status = urb->status;
   raw->actual_length = static_cast<int>(is_in ? urb->bytes.size() : urb->taken);
-  const std::size_t skip = is_in ? 0 : 8;  // the setup of a control transfer
+  const std::size_t skip = is_in ? 0 : 8;  // the setup packet of a control transfer
   if (urb->endpoint != kOut && !urb->bytes.empty()) {
     const auto buffer =
         resolve(urb->data.get(), offsetof(usbdevfs_urb, buffer), urb->bytes.size() + skip);
@@ -108,7 +108,7 @@ int UsbfsDevice::Session::reap(UMockdevIoctlClient* client) {
 int UsbfsDevice::Session::discard_at(const void* client, std::uint64_t address) {
   for (auto* urbs : {&control, &in, &out}) {
     for (const auto& urb : *urbs) {
-      if (urb->client != client || urb->address != address || urb->discarded) continue;
+      if (urb->client != client || urb->address != address || urb->is_discarded) continue;
       discard(UrbPtr(urb));
       return 0;
     }
@@ -158,7 +158,7 @@ int UsbfsDevice::Session::answer(UMockdevIoctlClient* client) {
     case USBDEVFS_GET_CAPABILITIES: {
       const auto capabilities = resolve(arg, 0, sizeof(std::uint32_t));
       if (!capabilities) return -EFAULT;
-      // As with xHCI and EHCI: libusb makes one URB of a transfer of any size.
+      // Like xHCI and EHCI: libusb then uses one URB per transfer, whatever its size.
       *as<std::uint32_t>(capabilities) =
           USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
           USBDEVFS_CAP_BULK_SCATTER_GATHER | USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
@@ -183,12 +183,12 @@ int UsbfsDevice::Session::answer(UMockdevIoctlClient* client) {
     case USBDEVFS_CLEAR_HALT: {
       const auto endpoint = resolve(arg, 0, sizeof(std::uint32_t));
       if (!endpoint) return -EFAULT;
-      device->halt_cleared(static_cast<std::uint8_t>(*as<std::uint32_t>(endpoint)));
+      device->on_halt_cleared(static_cast<std::uint8_t>(*as<std::uint32_t>(endpoint)));
       return 0;
     }
     case USBDEVFS_RESET:
       finish_all(-ESHUTDOWN);
-      device->reset();
+      device->on_reset();
       return 0;
     case USBDEVFS_SETINTERFACE:
     case USBDEVFS_SETCONFIGURATION:

@@ -1,5 +1,4 @@
-// What a UsbfsDevice is while it is plugged in, to those who have its file open. For the files
-// beside this one.
+// The state of a UsbfsDevice while it is plugged in or its file is open. Internal to this folder.
 #pragma once
 
 #include <unistd.h>
@@ -27,36 +26,37 @@ struct UsbfsDevice::Shared {
   int clients = 0;  // open files
 };
 
-/// From plug() to the close of the last file: longer than the device is plugged in.
+/// Lives from plug() until the last client has closed the file, which may be after unplug().
 struct UsbfsDevice::Session {
   std::shared_ptr<Shared> shared;
-  UsbfsDevice* device = nullptr;  // none once it is unplugged
+  UsbfsDevice* device = nullptr;  // null after unplug()
   std::string node, syspath;
   _UMockdevIoctlBase* handler = nullptr;
   const void* claimed_by = nullptr;
   bool kernel_driver = false;
   std::deque<UrbPtr> control, in, out;
-  std::deque<UrbPtr> done;  // to be reaped
+  std::deque<UrbPtr> done;  // ended, not yet reaped
 
-  // poll() on the device's file says whether something can be reaped. The file is a FIFO that is
-  // full or empty.
+  // A client calls poll() on the device file to learn whether a transfer can be reaped. The file is
+  // a FIFO: full if not, empty if one can.
   int fifo = -1;
-  bool ready = false;
+  bool is_ready = false;
 
   ~Session() { close(fifo); }
   void show_ready() {
-    if (ready == !done.empty()) return;
-    ready = !ready;
+    if (is_ready == !done.empty()) return;
+    is_ready = !is_ready;
     std::array<char, 4096> page{};
     const auto done_bytes =
-        ready ? read(fifo, page.data(), page.size()) : write(fifo, page.data(), page.size());
-    if (done_bytes < 0 && errno != EAGAIN) throw std::runtime_error("the FIFO does not work");
+        is_ready ? read(fifo, page.data(), page.size()) : write(fifo, page.data(), page.size());
+    if (done_bytes < 0 && errno != EAGAIN)
+      throw std::runtime_error("cannot fill or empty the FIFO of a virtual USB device");
   }
 
   std::deque<UrbPtr>& queue(std::uint8_t endpoint) {
     return endpoint == kIn ? in : endpoint == kOut ? out : control;
   }
-  void finish(UrbPtr urb, int status) {  // often the front of a queue: not a reference
+  void finish(UrbPtr urb, int status) {  // by value, because it is erased from a queue
     auto& urbs = queue(urb->endpoint);
     const auto found = std::find(urbs.begin(), urbs.end(), urb);
     if (found == urbs.end()) return;
@@ -70,12 +70,12 @@ struct UsbfsDevice::Session {
       while (!urbs->empty()) finish(urbs->front(), status);
     }
   }
-  /// The host does not want it any more.
+  /// The host cancels a transfer.
   void discard(const UrbPtr& urb) {
-    urb->discarded = true;
-    if (!urb->busy) finish(urb, -ENOENT);
+    urb->is_discarded = true;
+    if (!urb->is_busy) finish(urb, -ENOENT);
   }
-  void vanished(const void* client);
+  void remove_client(const void* client);
 
   int submit(_UMockdevIoctlClient* client);
   int reap(_UMockdevIoctlClient* client);
