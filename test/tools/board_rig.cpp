@@ -52,7 +52,7 @@ void BoardTest::start(const Strings& options) {
     if (fs::exists(at("board_out")) && bytes(at("board_out")) == ready) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  FAIL() << "the virtual board does not start: " << statistics();
+  FAIL() << "the virtual board did not start: " << statistics();
 }
 
 int BoardTest::stop() {
@@ -61,7 +61,7 @@ int BoardTest::stop() {
 }
 
 Outcome BoardTest::board(const std::string& mode, const Strings& arguments) const {
-  // Other work may hold both programs up for long.
+  // On a busy machine, both programs may be slow.
   return run(FPGA_STEREO_BOARD, with({mode, device(), "--wait", "20"}, arguments));
 }
 
@@ -92,7 +92,7 @@ int BoardTest::expect_matched(const std::string& folder, bool any_pair) {
   int compared = 0;
   for (const auto& entry : fs::directory_iterator(at(folder) + "/disparity")) {
     const std::uint64_t id = std::stoull(entry.path().stem().string());
-    // The cameras' pairs come in turns, from the first frame on.
+    // The cameras repeat the pairs in order, beginning with the first frame.
     const std::uint64_t first = ~std::uint64_t{0} << 32 | kLinkFirstFrame;
     int pair = static_cast<int>((id - first) % kPairs);
     const std::string captured = bytes(entry.path().string());

@@ -1,4 +1,4 @@
-// For tests of board and virtual_board: they run against each other over a pseudo terminal.
+// Test fixture of board and virtual_board, which talk to each other over a pseudo terminal.
 #pragma once
 
 #include <memory>
@@ -17,26 +17,29 @@ class BoardTest : public ProgramTest {
 
   BoardTest();
 
-  /// Starts a small board with cameras at 40 f/s; `options` come last. Waits until it is ready.
+  /// Starts a virtual board with small images and cameras at 40 f/s, and waits until it is ready.
+  /// `options` override the defaults.
   void start(const Strings& options = {});
-  /// Ends it by SIGINT: its exit code. What it said on stderr is in statistics().
+  /// Stops the board with SIGINT. Returns its exit code.
   int stop();
+  /// Returns what the board printed to stderr.
   std::string statistics() const { return bytes(at("board_err")); }
   Child& child() { return *child_; }
 
-  /// board MODE on it.
+  /// Runs board MODE with the virtual board.
   Outcome board(const std::string& mode, const Strings& arguments = {}) const;
-  /// board MODE on nothing.
+  /// Runs board without a virtual board.
   Outcome board_alone(const Strings& arguments) const { return run(FPGA_STEREO_BOARD, arguments); }
-  /// What upload and match are told.
+  /// Returns the options that upload and match share.
   Strings settings() const;
-  /// upload with settings(), which must succeed.
+  /// Runs board upload with settings(); it must succeed.
   void upload() const;
 
-  /// The disparity that match writes for camera pair `i`: the bytes of its PNG.
+  /// Returns the PNG file that match writes for camera pair `i`.
   const std::string& matched(int i);
-  /// Every disparity of a capture must be what match wrote for its pair: by its number, or, where
-  /// the board was reset and counts anew, for any pair. How many were compared.
+  /// Expects that every captured disparity equals the output of match for its pair. The frame id
+  /// identifies the pair; with `any_pair`, for a board that was reset, it may be any pair. Returns
+  /// the number of compared disparities.
   int expect_matched(const std::string& folder, bool any_pair = false);
 
   std::string device() const { return "serial:" + at("tty"); }

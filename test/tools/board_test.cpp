@@ -1,4 +1,4 @@
-// board and a virtual board, as users run them.
+// board with a virtual board, as users run them.
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -26,7 +26,7 @@ TEST_F(BoardTest, ProbeGetAndSet) {
        {"line +.*/tty at 1000000 baud", "gateware +0\\.1, specification 0x[0-9A-F]{8}",
         "max_width +64 px", "disparities +16", "census +sparse 5 px", "correlation +5 px",
         "line buffer +20 rows", "mesh +600 nodes", "clock +100 MHz",
-        "streams +disparity, left, right, raw_left, raw_right; takes pairs from the host",
+        "streams +disparity, left, right, raw_left, raw_right; accepts pairs from the host",
         "configured +not yet.*", "round trip +[0-9.]+ ms at best.*"}) {
     EXPECT_TRUE(has_line(probed.out, line)) << line << " in:\n" << probed.out;
   }
@@ -49,14 +49,14 @@ TEST_F(BoardTest, ProbeGetAndSet) {
   }
 }
 
-TEST_F(BoardTest, WhatIsCapturedIsWhatMatchWrites) {
+TEST_F(BoardTest, CaptureEqualsMatch) {
   start();
   expect_refused("board", board("capture", {"1", "--out", at("none")}), 1,
                  {"has not been configured", "board upload"});
   const Outcome uploaded = board("upload", settings());
   ASSERT_EQ(uploaded.code, 0) << uploaded.err;
   EXPECT_TRUE(has_line(uploaded.out,
-                       "configuration 1 was written and read back: 64x48, line buffer [0-9]+ of "
+                       "configuration 1 was sent and read back: 64x48, line buffer [0-9]+ of "
                        "20 rows, mesh 63 of 600 nodes"))
       << uploaded.out;
   EXPECT_TRUE(has_line(uploaded.out, "  speckle_size = 20"));
@@ -67,7 +67,7 @@ TEST_F(BoardTest, WhatIsCapturedIsWhatMatchWrites) {
   EXPECT_TRUE(has_line(run.out, "disparity +5 frames, .* f/s")) << run.out;
   EXPECT_EQ(expect_matched("captured"), 5);
 
-  // Each file of each stream, against the pipeline.
+  // All files of all streams equal the pipeline.
   const auto rectification =
       make_stereo_rectification(to_calibration(distorted_cameras(kSize).left),
                                 to_calibration(distorted_cameras(kSize).right), 1);
@@ -95,7 +95,7 @@ TEST_F(BoardTest, WhatIsCapturedIsWhatMatchWrites) {
   EXPECT_TRUE(has_line(table, "[0-9]+,1,[0-9]+,[0-9]+\\.[0-9]{6},\"\"")) << table;
 }
 
-TEST_F(BoardTest, WhatWasRecordedIsCapturedAgain) {
+TEST_F(BoardTest, CapturesARecording) {
   start();
   upload();
   const Outcome recorded = board("record", {at("line.rec"), "0.4", "--streams", "disparity,left"});
@@ -112,8 +112,8 @@ TEST_F(BoardTest, WhatWasRecordedIsCapturedAgain) {
   ASSERT_TRUE(std::regex_search(recorded.out, frames, std::regex("disparity +([0-9]+) frames")));
   EXPECT_GT(std::stoi(frames[1]), 3);
   EXPECT_TRUE(has_line(measured.out,
-                       "packets +[0-9]+ good, 0 lost, 0 wrong headers, 0 wrong "
-                       "payloads, 0 bytes of none"))
+                       "packets +[0-9]+ good, 0 lost, 0 bad headers, 0 bad "
+                       "payloads, 0 bytes skipped"))
       << measured.out;
   for (const std::string folder : {"first", "second"}) {
     const Outcome run =
@@ -126,7 +126,7 @@ TEST_F(BoardTest, WhatWasRecordedIsCapturedAgain) {
   expect_refused("board", board_alone({"record", replay, at("x")}), 2, {"is a recording already"});
   const Outcome more = board_alone({"capture", replay, "9999", "--out", at("more")});
   EXPECT_EQ(more.code, 1);
-  EXPECT_NE(more.err.find("of 9999 sets of frames: the recording has ended"), std::string::npos)
+  EXPECT_NE(more.err.find("of 9999 frame sets: the recording has ended"), std::string::npos)
       << more.err;
 }
 
@@ -139,20 +139,20 @@ TEST_F(BoardTest, SelfTest) {
       << run.out;
 }
 
-TEST_F(BoardTest, WhatABoardCannotDo) {
+TEST_F(BoardTest, RefusesUnsupportedSettings) {
   start({"--streams", "14", "--line-rows", "4"});
   expect_refused("board", board("upload", settings()), 1,
-                 {"this board cannot do that", "line buffer", "the buffer has 4"});
+                 {"does not support these settings", "line buffer", "the buffer has 4"});
   expect_refused("board", board("upload", {"--size", "96x48"}), 1, {"width", "96", "64"});
   expect_refused("board", board("upload", {"--size", "64x48", "--disparity_range", "32"}), 1,
                  {"disparity_range = 32", "16"});
-  expect_refused("board", board("selftest"), 1, {"takes no pairs from the host"});
+  expect_refused("board", board("selftest"), 1, {"accepts no pairs from the host"});
   EXPECT_EQ(board("upload", {"--size", "64x48"}).code, 0);
   expect_refused("board", board("measure", {"1", "--streams", "raw_left"}), 1,
                  {"not built with stream raw_left"});
 }
 
-TEST_F(BoardTest, BoardsThatThisSoftwareDoesNotWorkWith) {
+TEST_F(BoardTest, RefusesIncompatibleBoards) {
   const std::vector<std::pair<Strings, Strings>> cases{
       {{"--wrong-hash"}, {"is of specification", "flash the gateware"}},
       {{"--wrong-identity"}, {"no board of this kind", "IDENTITY = 0x12345678"}},

@@ -1,4 +1,4 @@
-// What board refuses before it looks for a board; and the modes that need none.
+// Errors of board before it opens a board, and the modes that need no board.
 #include <filesystem>
 
 #include "board_rig.hpp"
@@ -30,7 +30,7 @@ TEST_F(BoardUsage, WrongUsage) {
   };
   refused({}, {"a mode is missing", "selftest"});
   refused({"probe", "pcie:0"}, {"'pcie:0' is no transport", "serial:PATH"});
-  refused({"get", "WIDHT"}, {"no register \"WIDHT\"", "did you mean WIDTH"});
+  refused({"get", "WIDHT"}, {"no register is called \"WIDHT\"", "did you mean WIDTH"});
   refused({"get", "CONTROL"}, {"CONTROL is write only"});
   refused({"set", "STATUS=1"}, {"STATUS is read only"});
   refused({"set", "WIDTH=0x1000"}, {"WIDTH = 0x00001000", "0x00000FFF"});
@@ -40,7 +40,7 @@ TEST_F(BoardUsage, WrongUsage) {
   refused({"upload", "--size", "64"}, {"--size = \"64\"", "16x1 to 1280x1200"});
   refused({"capture", "0", "--out", at("x")}, {"N = \"0\""});
   refused({"capture", "5"}, {"--out is missing"});
-  refused({"capture", "5", "--out", at("x"), "--streams", "depth"}, {"\"depth\" is no stream"});
+  refused({"capture", "5", "--out", at("x"), "--streams", "depth"}, {"\"depth\" is not a stream"});
 }
 
 TEST_F(BoardUsage, NoBoard) {

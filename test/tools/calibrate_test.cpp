@@ -1,4 +1,4 @@
-// make_bag calibrate: on boards that are drawn through known cameras, and on real ones.
+// make_bag calibrate, with rendered chessboards of known cameras and with real images.
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
@@ -14,14 +14,14 @@ constexpr double kSquare = 0.03;  // m
 const cv::Matx33d kCamera(300, 0, 159.5, 0, 300, 119.5, 0, 0, 1);
 constexpr double kBaseline = 0.08;  // m
 
-/// The number behind `name` in a text.
+/// Returns the number that follows `name` in a text.
 double number_after(const std::string& text, const std::string& name) {
   const std::size_t at = text.find(name);
   EXPECT_NE(at, std::string::npos) << name << " in: " << text;
   return at == std::string::npos ? 0 : std::atof(text.c_str() + at + name.size());
 }
 
-/// A board of 7 x 5 inner corners as a camera at `x` metres sees it.
+/// Renders a chessboard of 7 x 5 inner corners as seen by a camera at `x` m.
 cv::Mat1b draw_board(const cv::Vec3d& rotation, const cv::Vec3d& translation, double x) {
   constexpr int kCell = 40;  // px per square of the flat picture
   cv::Mat1b flat(8 * kCell, 10 * kCell, std::uint8_t{255});
@@ -33,7 +33,8 @@ cv::Mat1b draw_board(const cv::Vec3d& rotation, const cv::Vec3d& translation, do
   cv::Matx33d R;
   cv::Rodrigues(rotation, R);
   const double scale = kSquare / kCell;
-  // Pixel (u, v) of the flat picture lies at ((u + 0.5) scale, (v + 0.5) scale, 0) of the board.
+  // Pixel (u, v) of the flat picture is the point ((u + 0.5) scale, (v + 0.5) scale, 0) of the
+  // board.
   const cv::Matx33d plane(scale, 0, scale * (0.5 - 5 * kCell),  //
                           0, scale, scale * (0.5 - 4 * kCell),  //
                           0, 0, 1);
@@ -66,14 +67,15 @@ class Calibrate : public ProgramTest {
   }
 };
 
-TEST_F(Calibrate, FindsTheCamerasThatDrewTheBoards) {
+TEST_F(Calibrate, RecoversTheCameras) {
   write_boards(6);
   write("l/6.png", cv::Mat1b(kSize, std::uint8_t{200}));
   write("r/6.png", draw_board({0.2, 0.1, 0}, {0.04, 0, 0.5}, kBaseline));
   const Outcome run = calibrate(at("l"), at("r"));
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_NE(run.out.find("pairs used: 6 of 7"), std::string::npos) << run.out;
-  EXPECT_NE(run.err.find(at("l/6.png") + ": no board of 7x5"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(at("l/6.png") + ": shows no chessboard with 7x5"), std::string::npos)
+      << run.err;
   EXPECT_LT(number_after(run.out, "reprojection error: "), 0.2);
   EXPECT_LT(number_after(run.out, "row difference after rectification: "), 0.2);
   const sensor_msgs::CameraInfo left = read_camera_info_message(at("left.yaml"));
@@ -116,7 +118,7 @@ TEST_F(Calibrate, RefusesWrongUsage) {
   EXPECT_NE(run.err.find(at("r/3.png") + ": is 10x10"), std::string::npos) << run.err;
 }
 
-TEST_F(Calibrate, RealBoards) {
+TEST_F(Calibrate, RealImages) {
   const std::string folder = test_data("chessboard");
   if (folder.empty()) GTEST_SKIP() << "no folder chessboard in the test images";
   const Outcome run = calibrate(folder + "/left*.jpg", folder + "/right*.jpg", "9x6", "0.025");

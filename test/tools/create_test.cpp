@@ -1,4 +1,4 @@
-// make_bag create: what is in the bag.
+// make_bag create: the contents of the bag.
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/Image.h>
@@ -44,7 +44,7 @@ class Create : public ProgramTest {
     }
   }
 
-  /// create out.bag from the two folders with the calibration.
+  /// Runs make_bag create with both image folders and the calibration.
   Outcome create(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments{"create",   at("out.bag"), "--left",
                                        at("left"), "--right",     at("right")};
@@ -143,7 +143,7 @@ TEST_F(Create, ScaleResizesImagesAndCalibration) {
   EXPECT_EQ(info.D, whole.D);
 }
 
-TEST_F(Create, RefusesPairsThatDoNotFit) {
+TEST_F(Create, RefusesInconsistentPairs) {
   std::remove(at("right/2.png").c_str());
   expect_refused(create({}), 1, {"3 images", "2"});
   write("right/2.png", cv::Mat1b(10, 20, std::uint8_t{0}));
@@ -179,7 +179,7 @@ TEST_F(Create, RefusesWrongUsage) {
   expect_refused(create({"--camera", "1/x"}), 2, {"--camera \"1/x\""});
 }
 
-TEST_F(Create, NamesFilesThatAreAbsent) {
+TEST_F(Create, NamesMissingFiles) {
   expect_refused(make_bag({"create", at("out.bag"), "--left", at("no*.png"), "--right", at("right"),
                            "--rectified", "50", "0.2"}),
                  1, {"--left", at("no*.png")});

@@ -5,16 +5,16 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "make_bag/camera_info_files.hpp"
-#include "support/files.hpp"
 #include "programs.hpp"
 #include "ros/conversions.hpp"
+#include "support/files.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
 
 const cv::Size kSize(64, 48);
 
-/// sensor.yaml of a camera that stands `x` metres to the right of the body.
+/// Returns the sensor.yaml of a camera that is `x` m to the right of the body.
 std::string sensor(double x, const std::string& model = "radial-tangential") {
   return "# General sensor definitions.\n"
          "sensor_type: camera\n"
@@ -79,21 +79,19 @@ TEST_F(Euroc, StampsAndCalibration) {
   EXPECT_EQ(right.K[0], 60);
 }
 
-TEST_F(Euroc, NamesImagesWithoutPartner) {
+TEST_F(Euroc, ReportsImagesWithoutPartner) {
   write_tree();
   write("e/cam0/data/1403715273362142976.png", noise_pair(kSize, 3).left);
   write("e/cam1/data/1403715273212142976.png", noise_pair(kSize, 3).right);
   const Outcome run = create(at("e"));
   EXPECT_EQ(run.code, 0);
-  EXPECT_NE(run.err.find("1403715273362142976.png is left out: cam1"), std::string::npos)
-      << run.err;
-  EXPECT_NE(run.err.find("1403715273212142976.png is left out: cam0"), std::string::npos)
-      << run.err;
+  EXPECT_NE(run.err.find("1403715273362142976.png is skipped: cam1"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("1403715273212142976.png is skipped: cam0"), std::string::npos) << run.err;
   EXPECT_EQ(stamps().size(), 2U);
 }
 
-TEST_F(Euroc, RefusesWhatItCannotUse) {
-  expect_refused({at("e/cam0/sensor.yaml")});  // absent
+TEST_F(Euroc, RefusesInvalidFiles) {
+  expect_refused({at("e/cam0/sensor.yaml")});  // missing
   write_tree();
   write_text("e/cam1/sensor.yaml", sensor(0.35, "equidistant"));
   expect_refused({at("e/cam1/sensor.yaml"), "distortion_model", "\"equidistant\""});
@@ -108,7 +106,7 @@ TEST_F(Euroc, RefusesWhatItCannotUse) {
 
 TEST_F(Euroc, RealSequence) {
   const std::string folder = test_data("sequence");
-  if (folder.empty()) GTEST_SKIP() << "no folder sequence in the test images";
+  if (folder.empty()) GTEST_SKIP() << "the test images have no folder sequence";
   const Outcome run = create(folder);
   ASSERT_EQ(run.code, 0) << run.err;
   ASSERT_EQ(make_bag({"extract", at("out.bag"), at("out")}).code, 0);
@@ -122,7 +120,7 @@ TEST_F(Euroc, RealSequence) {
   EXPECT_EQ(stamps().size(), list.size());
   EXPECT_TRUE(equal(cv::imread(at("out/left/000000.png"), cv::IMREAD_UNCHANGED),
                     cv::imread(list[0], cv::IMREAD_UNCHANGED)));
-  // The programs work together: most of the picture gets a disparity between 15 and 45 px.
+  // match on the extracted files: most pixels get a disparity between 15 and 45 px.
   ASSERT_EQ(match({at("out/left/000000.png"), at("out/right/000000.png"), at("out.pfm"),
                    "--left-info", at("out/left.yaml"), "--right-info", at("out/right.yaml")})
                 .code,

@@ -1,4 +1,4 @@
-// evaluate on a small tree with known percentages, and on the real images where there are any.
+// evaluate, on small scenes with known percentages and on the real images.
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -10,16 +10,16 @@ namespace fpga_stereo::tools {
 namespace {
 
 const cv::Size kSize(96, 48);
-// Far enough from the borders of the image, where the windows see what only one camera sees.
+// Away from the borders of the image, where windows contain pixels that only one camera sees.
 const cv::Rect kAllRect(50, 0, 28, 48);
 const cv::Rect kNonOccludedRect(50, 0, 20, 48);
 const cv::Rect kDiscRect(50, 0, 10, 48);
-const cv::Rect kWrongTruth(50, 0, 5, 48);  // truth that no disparity agrees with
-// Hence the percentages of bad pixels:
+const cv::Rect kWrongTruth(50, 0, 5, 48);  // no disparity agrees with the truth here
+// The resulting percentages of bad pixels:
 constexpr double kNonocc = 25, kAllBad = 100.0 * 5 / 28, kDisc = 50;
 constexpr double kMean = (kNonocc + kAllBad + kDisc) / 3;
 
-/// Shift of each scene; that of venus lies beyond the 20 disparities of the benchmark.
+/// Disparity of each scene. That of venus is beyond the 20 disparities of the benchmark.
 constexpr std::array<int, 4> kShifts{5, 22, 9, 30};
 
 /// pattern, configuration, measure -> tsukuba, venus, teddy, cones, average.
@@ -93,7 +93,7 @@ TEST_F(Evaluate, KnownPercentages) {
     expect_row(rows, pattern + " semi-dense nonocc", kNonocc, kNonocc);
     expect_row(rows, pattern + " semi-dense coverage", 100, 100);
   }
-  // The table has a title, a line of names and as many rows, all of one width.
+  // The table has a title, a header and all rows; its lines have equal width.
   std::istringstream table(run.out);
   std::string line;
   std::vector<std::size_t> widths;
@@ -110,19 +110,20 @@ TEST_F(Evaluate, KnownPercentages) {
   EXPECT_EQ(cv::imread(at("a/b/venus_sparse_semi-dense_disparity.png")).size(), kSize);
 }
 
-TEST_F(Evaluate, EveryPairHasTheRangeOfTheBenchmark) {
+TEST_F(Evaluate, SearchesTheRangeOfTheBenchmark) {
   write_tree();
   const Outcome run =
       evaluate({at("data"), "--csv", at("out.csv"), "--census_pattern", "full", "--threads", "1"});
   ASSERT_EQ(run.code, 0) << run.err;
   const auto rows = read_csv(at("out.csv"));
-  EXPECT_EQ(rows.size(), 10U);  // one pattern only
+  EXPECT_EQ(rows.size(), 10U);  // a single pattern
   expect_row(rows, "full dense nonocc", kNonocc, 100);
   expect_row(rows, "full dense mean", kMean, 100);
 }
 
-// Where they can look, they find these shifts, too; left of that their holes are filled.
-TEST_F(Evaluate, OpenCVBesideOurs) {
+// OpenCV finds the same disparities in the columns that it computes; the columns to their left are
+// filled holes.
+TEST_F(Evaluate, OpencvMatchers) {
   write_tree();
   const Outcome run = evaluate({at("data"), "--csv", at("out.csv"), "--disparity_range", "32",
                                 "--census_pattern", "sparse", "--opencv"});
@@ -142,12 +143,12 @@ TEST_F(Evaluate, ParametersReachTheDenseConfigurationToo) {
                 .code,
             0);
   const auto rows = read_csv(at("out.csv"));
-  // 5 px, the shift of tsukuba, lies below the search; 6 px are found at the least.
+  // 5 px, the disparity of tsukuba, is below the search range, which begins at 6 px.
   EXPECT_NEAR(rows.at("sparse dense nonocc")[2], kNonocc, 1e-4);
   EXPECT_GT(rows.at("sparse dense nonocc")[0], 80);
 }
 
-TEST_F(Evaluate, NamesWhatIsAbsent) {
+TEST_F(Evaluate, NamesMissingFiles) {
   write_tree();
   std::remove(at("data/teddy/disc.png").c_str());
   Outcome run = evaluate({at("data")});
@@ -173,7 +174,7 @@ TEST_F(Evaluate, Usage) {
 
 TEST_F(Evaluate, RealImages) {
   const std::string folder = test_data("middlebury_v2");
-  if (folder.empty()) GTEST_SKIP() << "no folder middlebury_v2 in the test images";
+  if (folder.empty()) GTEST_SKIP() << "the test images have no folder middlebury_v2";
   const Outcome run = evaluate({folder, "--csv", at("out.csv"), "--opencv"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(run.err.find("libpng"), std::string::npos) << run.err;

@@ -1,4 +1,4 @@
-// make_bag extract: files from bags, and back to where create began.
+// make_bag extract: the extracted files equal those that make_bag create was given.
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 #include <stereo_msgs/DisparityImage.h>
@@ -23,7 +23,7 @@ std_msgs::Header header(double stamp) {
 
 class Extract : public ProgramTest {
  protected:
-  /// Images of every stamp in the lists.
+  /// Writes images with the stamps in both lists.
   void write_bag(const std::vector<double>& left, const std::vector<double>& right,
                  const std::vector<double>& disparities = {}) const {
     rosbag::Bag bag(at("in.bag"), rosbag::bagmode::Write);
@@ -42,8 +42,8 @@ class Extract : public ProgramTest {
   }
   static cv::Mat1f disparities_of(double stamp) {
     cv::Mat1f disparity(kSize, static_cast<float>(stamp));
-    disparity(0, 0) = -3;  // min_disparity - 1: none
-    disparity(1, 1) = -2;  // min_disparity itself is a value
+    disparity(0, 0) = -3;  // min_disparity - 1 is invalid
+    disparity(1, 1) = -2;  // min_disparity itself is valid
     disparity(2, 2) = std::numeric_limits<float>::quiet_NaN();
     return disparity;
   }
@@ -64,7 +64,7 @@ class Extract : public ProgramTest {
   }
 };
 
-TEST_F(Extract, GivesBackWhatCreateWasGiven) {
+TEST_F(Extract, InvertsCreate) {
   const InfoPair infos = distorted_cameras(kSize);
   cv::Mat3b color(kSize);
   cv::randu(color, 0, 256);
@@ -100,7 +100,7 @@ TEST_F(Extract, GivesBackWhatCreateWasGiven) {
   }
 }
 
-TEST_F(Extract, PairsByStampAndNamesTheRest) {
+TEST_F(Extract, PairsByStampAndReportsTheRest) {
   write_bag({3, 1, 2, 5}, {2, 3, 4}, {3, 5});
   const Outcome run = extract();
   ASSERT_EQ(run.code, 0) << run.err;
@@ -111,7 +111,7 @@ TEST_F(Extract, PairsByStampAndNamesTheRest) {
     EXPECT_NE(run.err.find(name), std::string::npos) << name << " in: " << run.err;
   }
   EXPECT_EQ(run.err.find("2.000000000"), std::string::npos) << run.err;
-  for (const int number : {0, 1}) {  // of the stamps 2 and 3
+  for (const int number : {0, 1}) {  // stamps 2 and 3
     const std::string name = "00000" + std::to_string(number) + ".png";
     const cv::Mat1b expected = image_of(number + 2);
     EXPECT_TRUE(equal(cv::imread(at("out/left/" + name), cv::IMREAD_UNCHANGED), expected));
@@ -124,7 +124,7 @@ TEST_F(Extract, PairsByStampAndNamesTheRest) {
   EXPECT_TRUE(equal(cv::imread(at("out/disparity/000001.pfm"), cv::IMREAD_UNCHANGED), expected));
 }
 
-TEST_F(Extract, RgbBecomesWhatFilesHold) {
+TEST_F(Extract, ConvertsRgb) {
   cv::Mat3b bgr(kSize, cv::Vec3b(10, 20, 30));
   {
     rosbag::Bag bag(at("in.bag"), rosbag::bagmode::Write);
@@ -139,7 +139,7 @@ TEST_F(Extract, RgbBecomesWhatFilesHold) {
       equal(cv::imread(at("out/right/000000.png")), cv::Mat3b(kSize, cv::Vec3b(30, 20, 10))));
 }
 
-TEST_F(Extract, RefusesWhatLosesSomething) {
+TEST_F(Extract, RefusesLossyConversions) {
   {
     rosbag::Bag bag(at("in.bag"), rosbag::bagmode::Write);
     const auto message = to_image(disparities_of(1), header(1));
@@ -149,8 +149,8 @@ TEST_F(Extract, RefusesWhatLosesSomething) {
   expect_refused({at("in.bag"), "32FC1"});
 }
 
-TEST_F(Extract, NamesBagsThatCannotBeUsed) {
-  expect_refused({at("in.bag")});  // absent
+TEST_F(Extract, RefusesInvalidBags) {
+  expect_refused({at("in.bag")});  // missing
   write_text("in.bag", "no bag at all");
   expect_refused({at("in.bag")});
   write_text("in.bag", "");
@@ -163,11 +163,11 @@ TEST_F(Extract, NamesBagsThatCannotBeUsed) {
   }
 }
 
-TEST_F(Extract, NamesTopicsThatAreAbsent) {
+TEST_F(Extract, NamesMissingTopics) {
   write_bag({1, 2}, {});
-  expect_refused({at("in.bag"), "/stereo/right/image_raw", "are: /stereo/left/image_raw"});
+  expect_refused({at("in.bag"), "/stereo/right/image_raw", "topics are: /stereo/left/image_raw"});
   write_bag({1, 2}, {3});
-  expect_refused({at("in.bag"), "no left and right image have the same stamp"});
+  expect_refused({at("in.bag"), "no left and right image have equal stamps"});
   {
     rosbag::Bag bag(at("in.bag"), rosbag::bagmode::Write);
     bag.write("/stereo/left/image_raw", ros::Time(1), std_msgs::String());

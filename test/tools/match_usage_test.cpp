@@ -1,4 +1,4 @@
-// What match refuses, and how: exit code 2 for wrong usage, 1 for what cannot be done.
+// Errors of match: exit code 2 for wrong usage, 1 for other failures.
 #include "fpga_stereo/core/parameters.hpp"
 #include "programs.hpp"
 
@@ -25,7 +25,7 @@ TEST_F(MatchUsage, HelpNamesEveryParameterWithItsRange) {
   const Outcome run = match({"--help"});
   EXPECT_EQ(run.code, 0);
   EXPECT_EQ(run.err, "");
-  std::string text;  // without line breaks and the blanks after them
+  std::string text;  // without line breaks and indentation
   for (const char c : run.out) {
     const bool blank = c == ' ' || c == '\n';
     if (!blank) text += c;
@@ -39,9 +39,9 @@ TEST_F(MatchUsage, HelpNamesEveryParameterWithItsRange) {
   EXPECT_NE(text.find("min_disparity is not added"), std::string::npos);
 }
 
-TEST_F(MatchUsage, OutputThatWouldLoseDisparitiesIsRefusedBeforeAnyWork) {
+TEST_F(MatchUsage, LossyOutputIsRefusedFirst) {
   for (const std::string name : {"out.jpg", "out.JPEG", "out.bmp", "out.tiff", "out"}) {
-    // The images do not exist, which would be noticed when they are read.
+    // The images do not exist: reading them would give another error.
     expect_refused({"no_left.png", "no_right.png", at(name)}, 2, {name, ".png and .pfm"});
     EXPECT_FALSE(exists(name));
   }
@@ -51,12 +51,12 @@ TEST_F(MatchUsage, OutputThatWouldLoseDisparitiesIsRefusedBeforeAnyWork) {
 
 TEST_F(MatchUsage, UpperCaseExtension) { EXPECT_EQ(match({left_, right_, at("out.PNG")}).code, 0); }
 
-TEST_F(MatchUsage, FilesThatCannotBeRead) {
+TEST_F(MatchUsage, UnreadableFiles) {
   expect_refused({at("absent.png"), right_, at("out.png")}, 1,
                  {at("absent.png"), "No such file or directory"});
   expect_refused({left_, at("absent.png"), at("out.png")}, 1, {at("absent.png")});
   expect_refused({write_text("text.png", "no image"), right_, at("out.png")}, 1,
-                 {at("text.png"), "is no image"});
+                 {at("text.png"), "is not an image"});
   expect_refused({write_text("empty.png", ""), right_, at("out.png")}, 1, {at("empty.png")});
   expect_refused({write_text("cut.png", bytes(left_).substr(0, 40)), right_, at("out.png")}, 1,
                  {at("cut.png")});
@@ -66,17 +66,17 @@ TEST_F(MatchUsage, FilesThatCannotBeRead) {
   EXPECT_FALSE(exists("out.png"));
 }
 
-TEST_F(MatchUsage, OutputThatCannotBeWritten) {
+TEST_F(MatchUsage, UnwritableOutput) {
   expect_refused({left_, right_, at("absent/out.png")}, 1, {at("absent/out.png")});
   expect_refused({left_, right_, at("absent/out.pfm")}, 1, {at("absent/out.pfm")});
 }
 
-TEST_F(MatchUsage, SizesThatDiffer) {
+TEST_F(MatchUsage, UnequalSizes) {
   const std::string other = write("other.png", cv::Mat1b(30, 41, std::uint8_t{0}));
   expect_refused({left_, other, at("out.png")}, 1, {left_, other, "40x30", "41x30"});
 }
 
-TEST_F(MatchUsage, SizeThatIsTooLarge) {
+TEST_F(MatchUsage, ExcessiveSize) {
   const std::string large = write("large.png", cv::Mat1b(8, 1921, std::uint8_t{0}));
   expect_refused({large, large, at("out.png")}, 1, {large, "1921x8", "1920x1200"});
 }
@@ -126,10 +126,10 @@ TEST_F(MatchUsage, Calibrations) {
                  {at("no.yaml"), "No such file"});
   expect_refused({left_, right_, out, "--left-info", write_text("bad.yaml", "a: ["), "--right-info",
                   right_info},
-                 1, {at("bad.yaml"), "camera_info"});
+                 1, {at("bad.yaml"), "not valid YAML"});
   expect_refused({left_, right_, out, "--left-info", write_text("few.yaml", "image_width: 40"),
                   "--right-info", right_info},
-                 1, {at("few.yaml"), "camera_info"});
+                 1, {at("few.yaml"), "is missing"});
   expect_refused({left_, right_, out, "--left-info", right_info, "--right-info", left_info}, 1,
                  {right_info, "swapped"});
   const InfoPair larger = distorted_cameras({80, 60});

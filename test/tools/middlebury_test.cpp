@@ -1,4 +1,4 @@
-// The counts of the evaluation, by hand.
+// The Middlebury evaluation, with counts determined by hand.
 #include "support/middlebury.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint16_t kNone = kNoDisparity;
 
-/// One row of pixels, scale 4, everything evaluated.
+/// Returns a scene of one row with truth scale 4; all pixels are evaluated.
 MiddleburyPair row_of_truth(const cv::Mat1b& truth) {
   MiddleburyPair pair;
   pair.scene = {"row", 4, 60};
@@ -20,7 +20,7 @@ MiddleburyPair row_of_truth(const cv::Mat1b& truth) {
 }
 
 TEST(Score, MoreThanOnePixelIsBad) {
-  // 10.25 px; exactly 1 px off is right, 1/32 px more is bad.
+  // The truth is 10.25 px. An error of exactly 1 px is good, 1/32 px more is bad.
   const MiddleburyPair pair = row_of_truth((cv::Mat1b(1, 5) << 41, 41, 41, 41, 41));
   const cv::Mat1w disparity = (cv::Mat1w(1, 5) << 360, 361, 296, 295, 328);
   const Score s = score(pair, kAll, disparity, 0);

@@ -58,7 +58,7 @@ void ProgramTest::expect_refused(const std::string& program, const Outcome& run,
                                  const std::vector<std::string>& parts) {
   EXPECT_EQ(run.code, code);
   EXPECT_EQ(run.out, "");
-  // A line of its own: the libraries that read files may say something, too.
+  // The message begins a line; libraries may print other lines.
   EXPECT_NE(("\n" + run.err).find("\n" + program + ": "), std::string::npos) << run.err;
   for (const std::string& part : parts) {
     EXPECT_NE(run.err.find(part), std::string::npos) << "\"" << part << "\" in: " << run.err;

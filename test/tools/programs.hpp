@@ -1,4 +1,4 @@
-// For tests of the command-line programs: they run as child processes in a folder of their own.
+// Test fixture of the command-line programs, which run as child processes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ class ProgramTest : public testing::Test {
   ProgramTest();
   ~ProgramTest() override;
 
-  /// A path in the temporary folder.
+  /// Returns a path in the temporary folder.
   std::string at(const std::string& name) const { return folder_ + "/" + name; }
   bool exists(const std::string& name) const;
 
@@ -30,40 +30,40 @@ class ProgramTest : public testing::Test {
   Outcome evaluate(const std::vector<std::string>& arguments) const;
   Outcome make_bag(const std::vector<std::string>& arguments) const;
 
-  /// Any program.
+  /// Runs any program.
   Outcome run(const std::string& program, const std::vector<std::string>& arguments) const;
 
-  /// `program` has refused with this exit code and a message that has all of `parts`.
+  /// Expects this exit code and a message of `program` that contains all `parts`.
   static void expect_refused(const std::string& program, const Outcome& run, int code,
                              const std::vector<std::string>& parts);
 
-  /// Writes an image and gives its path.
+  /// Writes an image. Returns its path.
   std::string write(const std::string& name, const cv::Mat& image) const;
-  /// Writes text and gives the path.
+  /// Writes a text file. Returns its path.
   std::string write_text(const std::string& name, const std::string& text) const;
-  /// Writes camera_info as YAML and gives its path.
+  /// Writes a camera_info file. Returns its path.
   std::string write_info(const std::string& name, const sensor_msgs::CameraInfo& info) const;
 
  private:
   std::string folder_;
 };
 
-/// The bytes of a file; a failure of the test if it cannot be read.
+/// Returns the bytes of a file. The test fails if it cannot be read.
 std::string bytes(const std::string& path);
 
-/// Every value and type.
+/// Returns whether two images have equal size, type and values.
 bool equal(const cv::Mat& a, const cv::Mat& b);
 
-/// The folder of the test images called `name`; empty where it is absent.
+/// Returns the path of a folder of test images; empty if it does not exist.
 std::string test_data(const std::string& name);
 
-/// Noise, and the same moved: left pixel (x, y) is right pixel (x - disparity, y).
+/// A noise pair with constant disparity: left pixel (x, y) equals right pixel (x - disparity, y).
 struct NoisePair {
   cv::Mat1b left, right;
 };
 NoisePair noise_pair(cv::Size size, int disparity, int seed = 1);
 
-/// A pair of cameras with distortion and different orientation.
+/// Two cameras with distortion and different orientation.
 struct InfoPair {
   sensor_msgs::CameraInfo left, right;
 };

@@ -1,4 +1,4 @@
-// simulate: the files that match writes, from the simulated gateware; and what it refuses.
+// simulate: its output equals that of match; errors.
 #include <filesystem>
 #include <regex>
 
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 const cv::Size kSize(97, 61);
 const char* const kModels = FPGA_STEREO_MODELS;
 
-/// Arguments of both programs: 16 disparities, for which the tests have gateware.
+/// Arguments of both programs. The tests build gateware for 16 disparities.
 std::vector<std::string> with(std::vector<std::string> arguments,
                               const std::vector<std::string>& more) {
   arguments.insert(arguments.end(), {"--disparity_range", "16", "--speckle_size", "20"});
@@ -45,11 +45,11 @@ class SimulateUsage : public ProgramTest {
   std::string left_, right_;
 };
 
-/// For those that need a simulated gateware.
+/// Tests that need a simulated gateware.
 class Simulate : public SimulateUsage {
  protected:
   void SetUp() override {
-    if (!fs::exists(kModels)) GTEST_SKIP() << "no Verilator 5 when the tests were built";
+    if (!fs::exists(kModels)) GTEST_SKIP() << "Verilator 5 was missing when the tests were built";
   }
 
   Outcome simulated(const std::string& out, const std::vector<std::string>& more = {}) const {
@@ -101,7 +101,7 @@ TEST_F(Simulate, Cycles) {
   EXPECT_EQ(bytes(at("out.png")), bytes(at("matched.png")));
 }
 
-TEST_F(Simulate, EverySignalOfTheGateware) {
+TEST_F(Simulate, WritesAllSignals) {
   const std::string image = write("small.png", cv::Mat1b(5, 20, std::uint8_t{7}));
   const Outcome run =
       simulate(with({image, image, at("out.png"), "--models", kModels, "--vcd", at("waves.vcd")},
@@ -113,7 +113,7 @@ TEST_F(Simulate, EverySignalOfTheGateware) {
   }
 }
 
-TEST_F(Simulate, ModelsAreKeptInTheCacheOfTheUser) {
+TEST_F(Simulate, ModelsAreCached) {
   fs::create_directories(at("cache"));
   fs::create_directory_symlink(kModels, at("cache/fpga_stereo"));
   const Outcome done = run("env", with({"XDG_CACHE_HOME=" + at("cache"), FPGA_STEREO_SIMULATE,
@@ -123,7 +123,7 @@ TEST_F(Simulate, ModelsAreKeptInTheCacheOfTheUser) {
   EXPECT_EQ(done.err, "") << "nothing was built";
 }
 
-TEST_F(Simulate, ALineBufferThatIsTooSmall) {
+TEST_F(Simulate, LineBufferTooSmall) {
   const InfoPair infos = distorted_cameras(kSize);
   expect_refused({"--disparity_range", "16", "--left-info", write_info("left.yaml", infos.left),
                   "--right-info", write_info("right.yaml", infos.right), "--line-rows", "4"},
@@ -155,7 +155,7 @@ TEST_F(SimulateUsage, WrongUsage) {
   expect_refused({"--cycle"}, 2, {"--cycle"});
 }
 
-TEST_F(SimulateUsage, SizesThatTheGatewareDoesNotTake) {
+TEST_F(SimulateUsage, UnsupportedSizes) {
   const auto refused = [&](cv::Size size, const std::vector<std::string>& parts) {
     const std::string image = write("sized.png", cv::Mat1b(size, std::uint8_t{0}));
     expect_refused(simulate({image, image, at("out.png"), "--models", at("models")}), 1, parts);
@@ -177,7 +177,7 @@ TEST_F(SimulateUsage, WithoutVerilator) {
                  1, {"build_model: verilator is missing", "install", "cannot be built"});
 }
 
-TEST_F(SimulateUsage, AFolderThatCannotBeWritten) {
+TEST_F(SimulateUsage, UnwritableFolder) {
   write_text("file", "");
   expect_refused(simulate({left_, right_, at("out.png"), "--models", at("file/models")}), 1,
                  {at("file/models"), "cannot be created"});

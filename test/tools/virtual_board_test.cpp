@@ -1,4 +1,4 @@
-// A virtual board with faults, on USB, by script; and what it refuses.
+// A virtual board with faults, on USB and with scripts; errors.
 #include <chrono>
 #include <csignal>
 #include <regex>
@@ -12,13 +12,13 @@ namespace {
 
 using VirtualBoard = BoardTest;
 
-TEST_F(VirtualBoard, UnderEveryFaultOnlyWhatMatchWritesIsCaptured) {
+TEST_F(VirtualBoard, CapturesOnlyGoodFramesUnderAllFaults) {
   start({"--flip",      "15",      "--drop",     "15",      "--insert",  "15",
          "--double",    "15",      "--lose",     "15",      "--repeat",  "15",
          "--swap",      "15",      "--truncate", "15",      "--garbage", "15",
          "--both-ways", "--seed",  "5",          "--rate",  "100",       "--unplug",
          "0.9:30",      "--stall", "0.4:60",     "--reset", "1.1"});
-  // After a reset a board is not configured any more: the next try is.
+  // A reset discards the configuration: upload again.
   int compared = 0;
   for (int i = 0; i < 20 && compared < 50; ++i) {
     const std::string folder = "captured" + std::to_string(i);
@@ -28,12 +28,12 @@ TEST_F(VirtualBoard, UnderEveryFaultOnlyWhatMatchWritesIsCaptured) {
   }
   EXPECT_GE(compared, 50);
   EXPECT_EQ(stop(), 0);
-  const auto told = [&](const std::string& pattern) {
+  const auto has_printed = [&](const std::string& pattern) {
     return std::regex_search(statistics(), std::regex(pattern));
   };
-  EXPECT_TRUE(told("[1-9][0-9]* resets, [1-9][0-9]* times unplugged, [1-9][0-9]* stalls"))
+  EXPECT_TRUE(has_printed("[1-9][0-9]* resets, [1-9][0-9]* times unplugged, [1-9][0-9]* stalls"))
       << statistics();
-  EXPECT_TRUE(told("faults to the host: flip [1-9].* lose [1-9]")) << statistics();
+  EXPECT_TRUE(has_printed("faults to the host: flip [1-9].* lose [1-9]")) << statistics();
 }
 
 TEST_F(VirtualBoard, ScriptAndStatistics) {
@@ -49,7 +49,7 @@ TEST_F(VirtualBoard, ScriptAndStatistics) {
   EXPECT_FALSE(exists("tty"));
 }
 
-TEST_F(VirtualBoard, InterruptsEndBothWithASummary) {
+TEST_F(VirtualBoard, InterruptsEndBothWithStatistics) {
   start();
   upload();
   {
@@ -105,7 +105,7 @@ TEST_F(VirtualBoard, FromABag) {
   expect_refused("virtual_board",
                  this->run(FPGA_STEREO_VIRTUAL_BOARD,
                            {"--pty", at("tty"), "--bag", at("pairs.bag"), "--camera", "other"}),
-                 1, {"no pair of images", "/other/left/image_raw"});
+                 1, {"equal stamps", "/other/left/image_raw"});
 }
 
 TEST_F(VirtualBoard, WrongUsage) {
@@ -113,20 +113,20 @@ TEST_F(VirtualBoard, WrongUsage) {
     expect_refused("virtual_board", run(FPGA_STEREO_VIRTUAL_BOARD, arguments), code, parts);
   };
   const std::string tty = at("tty");
-  refused({}, 2, {"one of --pty and --usb"});
-  refused({"--pty", tty, "--", "ls"}, 2, {"for --usb only"});
+  refused({}, 2, {"exactly one of --pty and --usb"});
+  refused({"--pty", tty, "--", "ls"}, 2, {"allowed for --usb only"});
   refused({"--pty", tty, "--engine", "steam"}, 2, {"\"steam\"", "software"});
   refused({"--pty", tty, "--census", "4"}, 2, {"--census", "census_window_size = \"4\""});
-  refused({"--pty", tty, "--wrong", "NAME=1"}, 2, {"no register \"NAME\""});
-  refused({"--pty", tty, "--rate", "5"}, 2, {"--rate is given without"});
+  refused({"--pty", tty, "--wrong", "NAME=1"}, 2, {"no register is called \"NAME\""});
+  refused({"--pty", tty, "--rate", "5"}, 2, {"--rate needs"});
   refused({"--pty", tty, "--unplug", "5"}, 2, {"unplug"});
   refused({"--pty", tty, "--script", write_text("script", "at 1 explode\n")}, 2,
-          {"at 1 explode", "\"explode\" is no event", "unplug"});
-  refused({"--pty", write_text("file", "")}, 1, {at("file"), "no symbolic link"});
+          {"at 1 explode", "\"explode\" is not an event", "unplug"});
+  refused({"--pty", write_text("file", "")}, 1, {at("file"), "is not a symbolic link"});
   write("odd/left/1.png", cv::Mat1b(48, 64, std::uint8_t{0}));
   refused({"--pty", tty, "--folder", at("odd")}, 1, {"odd/right"});
   write("odd/right/1.png", cv::Mat1b(48, 65, std::uint8_t{0}));
-  refused({"--pty", tty, "--folder", at("odd")}, 1, {"65x48", "one size"});
+  refused({"--pty", tty, "--folder", at("odd")}, 1, {"65x48", "equal size"});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a board was built for, and its configuration.
+// Image sizes and configurations for the modes of board.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,12 +9,13 @@
 
 namespace fpga_stereo::tools {
 
-/// "640x480". Throws UsageError.
+/// Parses "640x480". Throws UsageError.
 cv::Size parse_size(const std::string& text);
 
-/// Has a board take a configuration, with `tag`, and these streams; throws where it does not within
-/// `seconds`.
-void configure(Connection& board, const GatewareConfiguration& configuration, std::uint64_t tag,
-               link::StreamSet streams, bool host_input, double seconds);
+/// Sends a configuration with a configuration tag and turns on these streams. Blocks until both are
+/// in effect; throws std::runtime_error after `seconds`.
+void apply_configuration(Connection& board, const GatewareConfiguration& configuration,
+                         std::uint64_t tag, link::StreamSet streams, bool host_input,
+                         double seconds);
 
 }  // namespace fpga_stereo::tools

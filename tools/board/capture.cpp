@@ -1,4 +1,6 @@
 // board capture.
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -16,34 +18,35 @@ namespace {
 
 namespace po = boost::program_options;
 
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kPollPeriod{50};
 
 CommandLine command_line() {
   CommandLine line;
   line.usage =
       "Usage: board capture [DEVICE] N --out FOLDER [options]\n"
-      "Writes N sets of frames, each of one pair of images, all streams of it whole:\n"
-      "  FOLDER/STREAM/ID.png  disparity as match writes it (16 bit, 1/32 px, 65535 = none),\n"
-      "                        all others grey; ID is the frame's number\n"
-      "  FOLDER/frames.csv     a line for each set that came, also of those that lack something:\n"
-      "                        frame_id, configuration, time of the board in us (mid-exposure),\n"
-      "                        stamp in s of this machine (none of a recording), why it was not\n"
-      "                        written\n"
-      "The board computes with what it was last configured with: see board upload. DEVICE may be\n"
-      "replay:FILE.\n";
+      "Writes N complete frame sets. A frame set is all frames that the board made from one pair.\n"
+      "  FOLDER/STREAM/ID.png  disparity as match writes it (16 bit, 1/32 px, 65535 = none), "
+      "other\n"
+      "                        streams in grey; ID is the frame id\n"
+      "  FOLDER/frames.csv     one line per frame set, including incomplete ones: frame_id,\n"
+      "                        configuration id, board time in us (mid-exposure), stamp of this\n"
+      "                        machine in s (empty for recordings), reason if it was not written\n"
+      "The board uses the configuration of the last board upload. DEVICE may be replay:FILE.\n";
   line.positional = {"N"};
   line.options.add_options()("out", po::value<std::string>()->value_name("FOLDER"),
-                             "where to, made if need be");
-  line.options.add_options()("timeout", po::value<double>()->value_name("S")->default_value(10),
-                             "seconds without a whole set, after which it fails [0.1 to 86400]");
+                             "folder to write to, created if necessary");
+  line.options.add_options()(
+      "timeout", po::value<double>()->value_name("S")->default_value(10),
+      "fail after this many seconds without a complete frame set [0.1 to 86400]");
   add_frame_options(line.options, "disparity");
   return line;
 }
 
-/// The frames of a capture in its folder.
-class Folder {
+/// Writes captured frames to a folder.
+class CaptureFolder {
  public:
-  Folder(std::string path, link::StreamSet streams) : path_(std::move(path)), streams_(streams) {
+  CaptureFolder(std::string path, link::StreamSet streams)
+      : path_(std::move(path)), streams_(streams) {
     create_folder(path_);
     for (const StreamName& each : kStreamNames) {
       if (streams_.contains(each.stream)) create_folder(path_ + "/" + each.name);
@@ -53,22 +56,23 @@ class Folder {
     check();
   }
 
-  /// Whether all of its streams were there, and it was written.
+  /// Records a frame set, and writes it if it is complete. Returns whether it did.
   bool add(const ArrivedFrames& frames) {
-    std::string why;
+    std::string reason;
     for (const std::string& dropped : frames.set.dropped) {
-      why += (why.empty() ? "" : "; ") + dropped;
+      reason += (reason.empty() ? "" : "; ") + dropped;
     }
     for (const StreamName& each : kStreamNames) {
-      const bool lacks = streams_.contains(each.stream) && frames.set.image(each.stream).empty();
-      if (lacks && why.empty()) why = concat("no ", each.name, " frame came");
+      const bool is_missing =
+          streams_.contains(each.stream) && frames.set.image(each.stream).empty();
+      if (is_missing && reason.empty()) reason = fmt::format("no {} frame came", each.name);
     }
     table_ << frames.set.frame_id << "," << frames.set.configuration << "," << frames.set.timestamp
            << ",";
     if (frames.stamp) table_ << std::fixed << std::setprecision(6) << *frames.stamp;
-    table_ << ",\"" << why << "\"\n";
+    table_ << ",\"" << reason << "\"\n";
     check();
-    if (!why.empty()) return false;
+    if (!reason.empty()) return false;
     std::ostringstream name;
     name << std::setw(20) << std::setfill('0') << frames.set.frame_id << ".png";
     for (const StreamName& each : kStreamNames) {
@@ -106,18 +110,19 @@ void capture(const std::string& device, const Arguments& arguments) {
   if (!parsed) return;
   const po::variables_map& options = parsed->options;
   const int wanted = parse_count(parsed->positional[0]);
-  if (options.count("out") == 0) throw UsageError("--out is missing: the folder for the frames");
+  if (options.count("out") == 0)
+    throw UsageError("--out is missing: it names the folder for the frames");
   const double timeout = options["timeout"].as<double>();
   require_range("--timeout", timeout, 0.1, 86400);
   const link::StreamSet streams = parse_streams(options["streams"].as<std::string>());
 
   const auto source = open_frames(device, streams, patience(options));
-  Folder folder(options["out"].as<std::string>(), streams);
+  CaptureFolder folder(options["out"].as<std::string>(), streams);
   Tally tally(*source, streams);
   int written = 0;
   double last = 0;
-  while (written < wanted && !interrupted() && !source->ended()) {
-    for (const ArrivedFrames& frames : source->take(kLook)) {
+  while (written < wanted && !interrupted() && !source->has_ended()) {
+    for (const ArrivedFrames& frames : source->take(kPollPeriod)) {
       if (written == wanted) break;
       tally.add(frames);
       if (!folder.add(frames)) continue;
@@ -128,11 +133,12 @@ void capture(const std::string& device, const Arguments& arguments) {
   }
   std::cout << tally.text(*source);
   if (written == wanted || interrupted()) return;
-  const std::string why =
-      source->ended() ? "the recording has ended" : concat("no whole set came for ", timeout, " s");
+  const std::string why = source->has_ended()
+                              ? "the recording has ended"
+                              : fmt::format("no complete frame set came for {:g} s", timeout);
   const std::string trouble = source->snapshot().trouble_text;
-  throw std::runtime_error(concat("captured ", written, " of ", wanted, " sets of frames: ", why,
-                                  trouble.empty() ? "" : " (" + trouble + ")"));
+  throw std::runtime_error(fmt::format("captured {} of {} frame sets: {}{}", written, wanted, why,
+                                       trouble.empty() ? "" : " (" + trouble + ")"));
 }
 
 }  // namespace fpga_stereo::tools

@@ -1,5 +1,7 @@
 #include "board/connection.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iostream>
 #include <thread>
@@ -16,8 +18,8 @@ using Clock = std::chrono::steady_clock;
 using State = link::LinkState;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLook{5};
-constexpr std::size_t kMostArrived = 256;  // sets that nobody has taken: more are left out
+constexpr milliseconds kPollPeriod{5};
+constexpr std::size_t kMaxArrived = 256;  // frame sets; newer ones are dropped
 
 double system_time() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -27,8 +29,8 @@ double system_time() {
 
 void add_patience(po::options_description& options) {
   options.add_options()("wait", po::value<double>()->value_name("S")->default_value(3),
-                        "seconds for a board that does not answer [0.1 to 3600]");
-  options.add_options()("verbose", po::bool_switch(), "say on stderr what happens on the line");
+                        "seconds to wait for an answer of the board [0.1 to 3600]");
+  options.add_options()("verbose", po::bool_switch(), "report events of the link on stderr");
 }
 
 Patience patience(const po::variables_map& options) {
@@ -48,7 +50,7 @@ std::unique_ptr<Transport> open_line(const std::string& device) {
 
 Connection::Connection(const std::string& device, const Patience& patience, const Wrap& wrap)
     : name_(device), patience_(patience) {
-  // What is wrong with the line is said at once; later it may come and go.
+  // Open the line now to report errors at once. Later the device reopens it whenever it is lost.
   auto first = std::make_shared<std::unique_ptr<Transport>>(open_line(device));
   link::Device::Options options;
   options.retry = milliseconds(100);
@@ -64,7 +66,7 @@ Connection::Connection(const std::string& device, const Patience& patience, cons
   callbacks.received = [this](link::ReceivedFrames frames) {
     const double now = system_time();
     const std::lock_guard lock(mutex_);
-    if (arrived_.size() < kMostArrived) arrived_.push_back({std::move(frames), now});
+    if (arrived_.size() < kMaxArrived) arrived_.push_back({std::move(frames), now});
     came_.notify_all();
   };
   callbacks.identified = [](const link::Identity&) {};
@@ -84,19 +86,20 @@ bool Connection::wait_until(double seconds, const std::function<bool(const Snaps
     if (done(now)) return true;
     if (interrupted()) fail("interrupted");
     if (Clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollPeriod);
   }
 }
 
 link::Identity Connection::identify() {
   std::optional<link::Identity> identity;
-  const bool known = wait_until(patience_.seconds, [&](const Snapshot& now) {
+  const bool is_identified = wait_until(patience_.seconds, [&](const Snapshot& now) {
     identity = now.identity;
     return identity && now.state != State::kIdentifying && now.state != State::kClosed;
   });
-  if (!known) {
-    fail(concat(name_, ": no board answers within ", patience_.seconds, " s (",
-                snapshot().trouble_text, "): is it powered, and has it been flashed?"));
+  if (!is_identified) {
+    fail(fmt::format(
+        "{}: no board answered within {:g} s ({}): is it powered, and has it been flashed?", name_,
+        patience_.seconds, snapshot().trouble_text));
   }
   return *identity;
 }

@@ -1,4 +1,4 @@
-// A board that is open while a mode works with it.
+// The connection of a mode to a board.
 #pragma once
 
 #include <chrono>
@@ -16,38 +16,42 @@ namespace fpga_stereo::tools {
 
 /// --wait and --verbose.
 struct Patience {
-  double seconds = 3;    // for a board that does not answer
-  bool verbose = false;  // what happens on the line, on stderr
+  double seconds = 3;    // timeout for answers of the board
+  bool verbose = false;  // report events of the link on stderr
 };
 void add_patience(boost::program_options::options_description& options);
 Patience patience(const boost::program_options::variables_map& options);
 
-/// open_transport(); throws: UsageError for a name that is none.
+/// Opens a transport. Throws UsageError for an invalid name and std::runtime_error for other
+/// errors.
 std::unique_ptr<link::Transport> open_line(const std::string& device);
 
+/// The functions are called by one thread; frames arrive on the thread of the device.
 class Connection {
  public:
   using Snapshot = link::Device::Snapshot;
   struct Arrived {
     link::ReceivedFrames frames;
-    double at = 0;  // s, host
+    double at = 0;  // arrival, s, host clock
   };
   /// Wraps each transport that is opened.
   using Wrap =
       std::function<Result<std::unique_ptr<link::Transport>>(std::unique_ptr<link::Transport>)>;
 
-  /// Opens the line; throws where that does not succeed at once. Later it is opened whenever it is
-  /// lost.
+  /// Opens the transport; throws if that fails. If it is lost later, the device reopens it.
   Connection(const std::string& device, const Patience& patience, const Wrap& wrap = nullptr);
 
-  /// Waits for a board that this software works with; throws with why there is none.
+  /// Waits for a compatible board. Throws an error with the reason if none answers.
   link::Identity identify();
-  void want(const link::DesiredState& wanted) { device_->set_desired_state(wanted); }
-  /// Until `done`; false: not within `seconds`. Throws if the board is refused, or interrupted().
+  void set_desired_state(const link::DesiredState& state) { device_->set_desired_state(state); }
+  /// Blocks until `done` returns true. Returns false after `seconds`. Throws if the board is
+  /// refused or the program interrupted.
   bool wait_until(double seconds, const std::function<bool(const Snapshot&)>& done);
-  /// What has come since the last call; waits for some.
+  /// Returns the frames that arrived since the last call; blocks until some arrive or the timeout
+  /// expires.
   std::vector<Arrived> take(std::chrono::milliseconds timeout);
-  /// Values of registers, in this order. What the line loses is asked for again; throws.
+  /// Returns the values of registers, in this order. Repeats requests that the link loses; throws
+  /// if the board does not answer in time.
   std::vector<std::uint32_t> read(const std::vector<std::uint32_t>& addresses);
   void write(const std::vector<RegisterWrite>& writes);
 
@@ -66,7 +70,7 @@ class Connection {
   std::mutex mutex_;
   std::condition_variable came_;
   std::vector<Arrived> arrived_;
-  std::unique_ptr<link::Device> device_;  // the last: it calls back
+  std::unique_ptr<link::Device> device_;  // last, because its callbacks use the other members
 };
 
 }  // namespace fpga_stereo::tools

@@ -1,4 +1,6 @@
 // board flash.
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -14,14 +16,15 @@ void flash(const std::string&, const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board flash FILE [options]\n"
-      "Loads a bitstream into the FPGA by openFPGALoader, over the board's programming port.\n";
+      "Loads a bitstream into the FPGA with openFPGALoader, over the board's programming port.\n";
   line.positional = {"FILE"};
   line.options.add_options()(
       "board",
       boost::program_options::value<std::string>()->value_name("NAME")->default_value("ulx3s"),
-      "as openFPGALoader calls it");
-  line.options.add_options()("permanent", boost::program_options::bool_switch(),
-                             "into the flash memory: it stays when power goes");
+      "name of the board in openFPGALoader");
+  line.options.add_options()(
+      "permanent", boost::program_options::bool_switch(),
+      "write to the flash memory, so that the bitstream survives a power cycle");
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   const std::string& file = parsed->positional[0];
@@ -33,14 +36,14 @@ void flash(const std::string&, const Arguments& arguments) {
   }
   Arguments command{"openFPGALoader", "--board", parsed->options["board"].as<std::string>()};
   if (parsed->options["permanent"].as<bool>()) command.emplace_back("--write-flash");
-  // A name that begins with a dash is no option.
+  // A file name that begins with a dash must not be taken as an option.
   command.push_back(file[0] == '-' ? "./" + file : file);
   Child child(command, {},
               "openFPGALoader is missing: install it with 'sudo apt install openfpgaloader'");
   const int code = child.wait();
   if (code != 0) {
-    throw std::runtime_error(concat("openFPGALoader ended with code ", code,
-                                    ": what is on the board is not known to be ", file));
+    throw std::runtime_error(
+        fmt::format("openFPGALoader ended with code {}: the board may not hold {}", code, file));
   }
 }
 

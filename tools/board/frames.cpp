@@ -1,5 +1,7 @@
 #include "board/frames.hpp"
 
+#include <fmt/format.h>
+
 #include "board/streams.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "link/frame_set_collector.hpp"
@@ -18,22 +20,22 @@ class BoardFrames : public FrameSource {
     const link::Identity identity = board_.identify();
     for (const StreamName& each : kStreamNames) {
       if (!streams.contains(each.stream) || identity.supports(each.stream)) continue;
-      throw std::runtime_error(concat("the board was not built with stream ", each.name));
+      throw std::runtime_error(fmt::format("the gateware was not built with stream {}", each.name));
     }
     if (board_.read({spec::kRegConfiguration})[0] == 0) {
       throw std::runtime_error(
-          "the board has not been configured since it was powered: run board upload first");
+          "the board has not been configured since power-on: run board upload first");
     }
     link::DesiredState wanted;
     wanted.keep_configuration = true;
     wanted.streams = streams;
-    board_.want(wanted);
-    const bool on = board_.wait_until(patience.seconds, [](const Connection::Snapshot& now) {
-      return now.state == link::LinkState::kStreaming;
-    });
-    if (!on) {
-      throw std::runtime_error(concat("the board does not stream within ", patience.seconds,
-                                      " s: ", board_.snapshot().trouble_text));
+    board_.set_desired_state(wanted);
+    const bool is_streaming = board_.wait_until(
+        patience.seconds,
+        [](const Connection::Snapshot& now) { return now.state == link::LinkState::kStreaming; });
+    if (!is_streaming) {
+      throw std::runtime_error(fmt::format("the board did not start streaming within {:g} s: {}",
+                                           patience.seconds, board_.snapshot().trouble_text));
     }
   }
 
@@ -42,7 +44,7 @@ class BoardFrames : public FrameSource {
     for (Connection::Arrived& arrived : board_.take(timeout)) {
       frames.push_back({std::move(arrived.frames.set), arrived.frames.stamp, arrived.at});
     }
-    board_.wait_until(0, [](const Connection::Snapshot&) { return true; });  // refused meanwhile
+    board_.wait_until(0, [](const Connection::Snapshot&) { return true; });  // throws if refused
     return frames;
   }
   link::Device::Snapshot snapshot() const override { return board_.snapshot(); }
@@ -51,7 +53,8 @@ class BoardFrames : public FrameSource {
   Connection board_;
 };
 
-/// The board in a recording answered somebody else: nothing is asked.
+/// Plays a recording. It sends no requests, because the recorded board answered those of another
+/// host.
 class RecordedFrames : public FrameSource {
  public:
   RecordedFrames(const std::string& device, link::StreamSet streams)
@@ -63,19 +66,19 @@ class RecordedFrames : public FrameSource {
     if (came) {
       decoder_.push(bytes_.data(), *came);
     } else if (came.error().kind == ErrorKind::kUnplugged) {
-      ended_ = true;
+      has_ended_ = true;
       decoder_.discard_partial_packet();
     } else {
       require(came);
     }
     read_packets(sets);
-    if (ended_) end(sets);
+    if (has_ended_) end(sets);
     std::vector<ArrivedFrames> frames;
     frames.reserve(sets.size());
     for (link::FrameSet& set : sets) frames.push_back({std::move(set), std::nullopt, 0});
     return frames;
   }
-  bool ended() const override { return ended_; }
+  bool has_ended() const override { return has_ended_; }
   link::Device::Snapshot snapshot() const override {
     link::Device::Snapshot now;
     now.description = line_->description();
@@ -115,7 +118,7 @@ class RecordedFrames : public FrameSource {
   link::FrameAssembler assembler_;
   link::FrameSetCollector sets_;
   std::vector<link::AssembledFrame> assembled_;
-  bool ended_ = false;
+  bool has_ended_ = false;
 };
 
 }  // namespace
@@ -123,7 +126,8 @@ class RecordedFrames : public FrameSource {
 void add_frame_options(po::options_description& options, const std::string& default_streams) {
   options.add_options()(
       "streams", po::value<std::string>()->value_name("NAMES")->default_value(default_streams),
-      "which: some of disparity,left,right,raw_left,raw_right (left and right are rectified)");
+      "comma-separated: disparity, left, right, raw_left, raw_right (left and right are "
+      "rectified)");
   add_patience(options);
 }
 

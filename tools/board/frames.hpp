@@ -1,4 +1,4 @@
-// Frames as they come: from a board, or from what was recorded of one.
+// Sources of frames: a board or a recording.
 #pragma once
 
 #include <chrono>
@@ -13,26 +13,28 @@ namespace fpga_stereo::tools {
 
 struct ArrivedFrames {
   link::FrameSet set;
-  std::optional<double> stamp;  // s, host, mid-exposure; none in a recording
-  double at = 0;                // s, host: when the last of it came
+  std::optional<double> stamp;  // mid-exposure, s, host clock; nullopt in a recording
+  double at = 0;                // arrival of the last frame, s, host clock
 };
 
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// What has come; waits for some. None, and ended(), behind the end of a recording.
+  /// Returns the frames that arrived since the last call; blocks until some arrive or the timeout
+  /// expires.
   virtual std::vector<ArrivedFrames> take(std::chrono::milliseconds timeout) = 0;
-  virtual bool ended() const { return false; }
-  /// Of a recording: line, frames and transport alone.
+  /// Returns whether a recording has ended.
+  virtual bool has_ended() const { return false; }
+  /// Returns the state; for a recording only its description and counters.
   virtual link::Device::Snapshot snapshot() const = 0;
 };
 
-/// --streams, --wait, --verbose.
+/// Adds the options --streams, --wait and --verbose.
 void add_frame_options(boost::program_options::options_description& options,
                        const std::string& default_streams);
 
-/// Switches these streams of a board on, under the configuration that it has, or opens a recording.
-/// Throws where the board has no configuration or not all of the streams.
+/// Opens a recording, or a board and turns on these streams with its present configuration. Throws
+/// if the board is not configured or lacks a stream.
 std::unique_ptr<FrameSource> open_frames(const std::string& device, link::StreamSet streams,
                                          const Patience& patience,
                                          const Connection::Wrap& wrap = nullptr);

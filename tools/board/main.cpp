@@ -1,4 +1,6 @@
 // board: finds, identifies, configures, measures and tests boards.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
@@ -17,17 +19,17 @@ struct Mode {
 };
 
 constexpr Mode kModes[]{
-    {"list", false, "every line on which there may be a board", list_boards},
-    {"probe", true, "who answers, and whether this software works with it", probe},
-    {"get", true, "registers by name", get_registers},
-    {"set", true, "registers by name; what was written is read back", set_registers},
-    {"upload", true, "calibration and parameters onto the board", upload},
-    {"capture", true, "frames to image files", capture},
-    {"measure", true, "throughput, frames, losses, latency", measure},
-    {"record", true, "all bytes of the line to a file; replay:FILE is a device", record},
-    {"selftest", true, "pairs through the board, compared with the software", self_test},
-    {"flash", false, "a bitstream into the FPGA", flash},
-    {"udev", false, "the rule that opens boards to users", udev_rule},
+    {"list", false, "list devices that may be a board", list_boards},
+    {"probe", true, "identify the board and check that it is compatible", probe},
+    {"get", true, "read registers by name", get_registers},
+    {"set", true, "write registers by name and read them back", set_registers},
+    {"upload", true, "send calibration and parameters to the board", upload},
+    {"capture", true, "write frames to image files", capture},
+    {"measure", true, "measure throughput, frame rates, losses and latency", measure},
+    {"record", true, "record all bytes of the link; replay:FILE plays them", record},
+    {"selftest", true, "compare the results of the board with the software", self_test},
+    {"flash", false, "load a bitstream into the FPGA", flash},
+    {"udev", false, "print or install the udev rule that gives users access", udev_rule},
 };
 
 std::string mode_names() {
@@ -37,18 +39,19 @@ std::string mode_names() {
 }
 
 void print_help() {
-  std::cout << "Usage: board MODE [DEVICE] ...\nModes, each with its own --help:\n";
+  std::cout << "Usage: board MODE [DEVICE] ...\n       board --version\nModes, each with its own "
+               "--help:\n";
   for (const Mode& mode : kModes) {
     std::cout << "  " << std::left << std::setw(9) << mode.name << " " << mode.about << "\n";
   }
-  std::cout << "DEVICE, usb unless told, is one of\n"
+  std::cout << "DEVICE is one of the following; the default is usb\n"
                "  usb                  the first USB board\n"
-               "  usb:serial=NUMBER    that with this serial number\n"
-               "  usb:port=1-2.3       that at this bus and port\n"
-               "  usb:match=REGEX      the first whose serial number or name has a match\n"
-               "  serial:PATH[:BAUD]   a serial line, at 1000000 baud unless told\n"
-               "  replay:FILE[:SPEED]  what record wrote, for capture and measure; SPEED 0: at "
-               "once\n";
+               "  usb:serial=NUMBER    the board with this serial number\n"
+               "  usb:port=1-2.3       the board at this bus and port\n"
+               "  usb:match=REGEX      the first board whose serial number or name matches\n"
+               "  serial:PATH[:BAUD]   a serial port; the default is 1000000 baud\n"
+               "  replay:FILE[:SPEED]  a recording, for capture and measure; SPEED 0 is without "
+               "delays\n";
 }
 
 bool is_device(const std::string& text) {
@@ -58,10 +61,11 @@ bool is_device(const std::string& text) {
 void board(const Arguments& arguments) {
   if (arguments.empty()) throw UsageError("a mode is missing: allowed " + mode_names());
   if (arguments[0] == "--help") return print_help();
+  if (arguments[0] == "--version") return print_version();
   const auto* mode = std::find_if(std::begin(kModes), std::end(kModes),
                                   [&](const Mode& m) { return m.name == arguments[0]; });
   if (mode == std::end(kModes)) {
-    throw UsageError(concat("mode \"", arguments[0], "\": allowed ", mode_names()));
+    throw UsageError(fmt::format("unknown mode \"{}\": allowed {}", arguments[0], mode_names()));
   }
   catch_interrupts();
   Arguments rest(arguments.begin() + 1, arguments.end());

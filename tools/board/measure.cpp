@@ -1,4 +1,6 @@
 // board measure and board record.
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -16,47 +18,47 @@ namespace {
 using link::Recorder;
 using link::Transport;
 
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kPollPeriod{50};
 
 double parse_seconds(const std::string& text) {
   std::istringstream in(text);
   double seconds = 0;
   if ((in >> seconds) && in.eof() && seconds > 0 && seconds <= 1e7) return seconds;
-  throw UsageError("SECONDS = \"" + text + "\": allowed more than 0, up to 10000000");
+  throw UsageError(fmt::format("SECONDS = \"{}\": allowed above 0 and up to 10000000", text));
 }
 
-/// `seconds` from the arguments behind the first `before`; 0: none was given.
+/// Returns SECONDS from the argument after the first `before`; 0 if it is missing.
 double seconds_of(const Parsed& parsed, std::size_t before) {
   const auto& given = parsed.positional;
   if (given.size() > before + 1) {
-    throw UsageError(concat("argument \"", given[before + 1], "\" is one too many"));
+    throw UsageError(fmt::format("argument \"{}\" is one too many", given[before + 1]));
   }
   return given.size() > before ? parse_seconds(given[before]) : 0;
 }
 
 void run(FrameSource& source, link::StreamSet streams, double seconds) {
   Tally tally(source, streams);
-  while (!interrupted() && !source.ended() && (seconds <= 0 || tally.seconds() < seconds)) {
-    for (const ArrivedFrames& frames : source.take(kLook)) tally.add(frames);
+  while (!interrupted() && !source.has_ended() && (seconds <= 0 || tally.seconds() < seconds)) {
+    for (const ArrivedFrames& frames : source.take(kPollPeriod)) tally.add(frames);
   }
   std::cout << tally.text(source);
 }
 
-/// Each time the line is opened a file of its own: FILE, FILE.2, FILE.3. The thread of the line
-/// has it until the line is closed for good.
+/// The recordings of one run: each time the link is opened, a new file begins: FILE, FILE.2,
+/// FILE.3. Only the thread of the device uses it until the device is destroyed.
 struct Recordings {
   std::string path;
   int count = 0;
-  Status failed;
+  Status status;  // the last failure
 };
 
-/// A recorder that leaves behind how it went.
+/// A recorder that stores its final status.
 class Recording : public Transport {
  public:
   Recording(std::unique_ptr<Recorder> recorder, std::shared_ptr<Recordings> all)
       : recorder_(std::move(recorder)), all_(std::move(all)) {}
   ~Recording() override {
-    if (const Status status = recorder_->status(); !status) all_->failed = status;
+    if (const Status status = recorder_->status(); !status) all_->status = status;
   }
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
@@ -78,8 +80,8 @@ class Recording : public Transport {
 Result<std::unique_ptr<Transport>> record_line(std::unique_ptr<Transport> inner,
                                                const std::shared_ptr<Recordings>& all) {
   ++all->count;
-  auto recorder = Recorder::open(std::move(inner),
-                                 all->count == 1 ? all->path : concat(all->path, ".", all->count));
+  auto recorder = Recorder::open(
+      std::move(inner), all->count == 1 ? all->path : fmt::format("{}.{}", all->path, all->count));
   if (!recorder) return recorder.error();
   return std::unique_ptr<Transport>(std::make_unique<Recording>(std::move(*recorder), all));
 }
@@ -90,11 +92,11 @@ void measure(const std::string& device, const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board measure [DEVICE] [SECONDS] [options]\n"
-      "What the line carries and loses, until Ctrl-C or for SECONDS: bytes, frames per stream, "
-      "what\n"
-      "was dropped and why, wrong and lost packets, latency, clocks, watchdog. DEVICE may be\n"
-      "replay:FILE, which is measured to its end. The board computes with what it was last\n"
-      "configured with: see board upload.\n";
+      "Measures the link for SECONDS or until Ctrl-C: bytes, frames per stream, dropped frames "
+      "with\n"
+      "causes, bad and lost packets, latency, clocks and watchdog. DEVICE may be replay:FILE, "
+      "which is\n"
+      "measured to its end. The board uses the configuration of the last board upload.\n";
   line.rest = "SECONDS";
   add_frame_options(line.options, "disparity");
   const auto parsed = parse(line, arguments);
@@ -109,11 +111,12 @@ void record(const std::string& device, const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board record [DEVICE] FILE [SECONDS] [options]\n"
-      "Writes all bytes of the line, both ways, to FILE until Ctrl-C or for SECONDS, with these\n"
-      "streams switched on, and says what measure does. Where the line is lost and opened again, "
-      "a\n"
-      "next file begins: FILE.2, FILE.3. Look at one with board measure or capture replay:FILE.\n"
-      "The format stands in fpga_fw/spec/link.md.\n";
+      "Turns on streams and records all bytes of the link, in both directions, to FILE for "
+      "SECONDS\n"
+      "or until Ctrl-C; then prints the same as measure. If the link is lost and reopened, a new "
+      "file\n"
+      "begins: FILE.2, FILE.3. Play a file with board measure or capture replay:FILE.\n"
+      "fpga_fw/spec/link.md defines the format.\n";
   line.positional = {"FILE"};
   line.rest = "SECONDS";
   add_frame_options(line.options, "disparity");
@@ -132,11 +135,11 @@ void record(const std::string& device, const Arguments& arguments) {
                               return record_line(std::move(inner), recordings);
                             });
   run(*source, streams, seconds);
-  source.reset();  // what has not been written is
-  require(recordings->failed);
+  source.reset();  // writes the rest of the recording
+  require(recordings->status);
   if (recordings->count > 1) {
-    std::cout << "the line was opened " << recordings->count << " times: the last recording is "
-              << recordings->path << "." << recordings->count << "\n";
+    std::cout << fmt::format("the link was opened {0} times; the last recording is {1}.{0}\n",
+                             recordings->count, recordings->path);
   }
 }
 

@@ -1,5 +1,5 @@
-// The modes of board. Each takes the name of the device and the arguments behind it, and throws as
-// run_program wants.
+// The modes of board. Each takes the name of the device and the arguments after it, and throws
+// exceptions that run_program() reports.
 #pragma once
 
 #include <string>

@@ -1,4 +1,6 @@
 // board probe.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <iomanip>
@@ -18,7 +20,7 @@ void print(const std::string& what, const std::string& value) {
   std::cout << std::left << std::setw(14) << what << value << "\n";
 }
 
-/// Milliseconds of round trips, sorted.
+/// Measures round trips. Returns their times in ms, sorted.
 std::vector<double> round_trips(Connection& board) {
   std::vector<double> times;
   for (int i = 0; i < kRoundTrips; ++i) {
@@ -36,7 +38,7 @@ std::string streams_text(const link::Identity& identity) {
   for (const StreamName& each : kStreamNames) {
     if (identity.supports(each.stream)) text += (text.empty() ? "" : ", ") + std::string(each.name);
   }
-  if (identity.supports(link::Stream::kInput)) text += "; takes pairs from the host";
+  if (identity.supports(link::Stream::kInput)) text += "; accepts pairs from the host";
   return text;
 }
 
@@ -46,8 +48,8 @@ void probe(const std::string& device, const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board probe [DEVICE] [options]\n"
-      "Who answers: what it was built for, what it can send, how fast the line answers. The exit\n"
-      "code is 1, and the message says what to do, where this software does not work with it.\n";
+      "Prints the build parameters, streams and round-trip time of the board. If the board is not\n"
+      "compatible with this software, the exit code is 1 and the message says what to do.\n";
   add_patience(line.options);
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
@@ -56,19 +58,19 @@ void probe(const std::string& device, const Arguments& arguments) {
   const auto times = round_trips(board);
   const GatewareBuild& build = identity.build;
   print("line", board.snapshot().description);
-  print("gateware",
-        concat(identity.major, ".", identity.minor, ", specification ", hex(identity.spec_hash)));
-  print("max_width", concat(build.max_width, " px"));
+  print("gateware", fmt::format("{}.{}, specification {}", identity.major, identity.minor,
+                                hex(identity.spec_hash)));
+  print("max_width", fmt::format("{} px", build.max_width));
   print("disparities", std::to_string(build.disparities));
-  print("census", concat(to_text(build.census_pattern), " ", build.census_window, " px"));
-  print("correlation", concat(build.correlation_window, " px"));
-  print("line buffer", concat(build.line_rows, " rows"));
-  print("mesh", concat(build.mesh_nodes, " nodes"));
-  print("clock", concat(identity.clock_hz / 1e6, " MHz"));
+  print("census", fmt::format("{} {} px", to_text(build.census_pattern), build.census_window));
+  print("correlation", fmt::format("{} px", build.correlation_window));
+  print("line buffer", fmt::format("{} rows", build.line_rows));
+  print("mesh", fmt::format("{} nodes", build.mesh_nodes));
+  print("clock", fmt::format("{:g} MHz", identity.clock_hz / 1e6));
   print("streams", streams_text(identity));
   const std::uint32_t number = board.read({spec::kRegConfiguration})[0];
-  print("configured", number == 0 ? "not yet: board upload, or the node, does"
-                                  : concat(number, " times since it was powered"));
+  print("configured", number == 0 ? "not yet: run board upload or start the node"
+                                  : fmt::format("{} times since power-on", number));
   std::ostringstream text;
   text << std::fixed << std::setprecision(2) << times.front() << " ms at best, median "
        << times[times.size() / 2] << " ms";

@@ -1,6 +1,8 @@
 // board get and board set.
 #include "support/registers.hpp"
 
+#include <fmt/format.h>
+
 #include <iostream>
 
 #include "board/connection.hpp"
@@ -38,7 +40,7 @@ void print(const Register& reg, std::uint32_t value) {
   }
 }
 
-/// What one argument of set asks for.
+/// The change that one argument of set asks for.
 struct Change {
   const Register* reg = nullptr;
   std::uint32_t mask = 0;  // the bits that change
@@ -55,7 +57,8 @@ Change parse_change(const std::string& text) {
   Change change;
   change.reg = &find_register(name.substr(0, dot));
   if (change.reg->access == Access::kReadOnly) {
-    throw UsageError(concat("register ", change.reg->name, " is read only: ", change.reg->about));
+    throw UsageError(
+        fmt::format("register {} is read only: {}", change.reg->name, change.reg->about));
   }
   if (dot != std::string::npos) {
     const spec::Field field = find_field(*change.reg, name.substr(dot + 1)).field;
@@ -68,8 +71,9 @@ Change parse_change(const std::string& text) {
   change.bits = parse_value(name, value, ~std::uint32_t{0});
   change.mask = ~std::uint32_t{0};
   if ((change.bits & ~fields) != 0) {
-    throw UsageError(concat(name, " = ", hex(change.bits), ": has bits that are in no field of ",
-                            change.reg->name, ": allowed are those of ", hex(fields)));
+    throw UsageError(
+        fmt::format("{} = {}: sets bits outside the fields of {}: allowed are the bits of {}", name,
+                    hex(change.bits), change.reg->name, hex(fields)));
   }
   return change;
 }
@@ -77,7 +81,7 @@ Change parse_change(const std::string& text) {
 void apply(Connection& board, const Change& change) {
   const Register& reg = *change.reg;
   const bool readable = reg.access != Access::kWriteOnly;
-  // A bit that clears what it is written to is not written because it was read.
+  // Do not write bits back that were only read, if writing 1 clears them.
   const bool keeps = readable && reg.access != Access::kWriteOneToClear;
   const std::uint32_t rest = keeps ? board.read({reg.address})[0] & ~change.mask : 0;
   const std::uint32_t value = rest | change.bits;
@@ -90,7 +94,7 @@ void apply(Connection& board, const Change& change) {
   const bool good = keeps ? held == value : (held & value) == 0;
   if (!good) {
     throw std::runtime_error(
-        concat("register ", reg.name, " holds ", hex(held), " after ", hex(value), " was written"));
+        fmt::format("register {} holds {} after {} was written", reg.name, hex(held), hex(value)));
   }
   std::cout << "written and read back: ";
   print(reg, held);
@@ -103,8 +107,9 @@ void get_registers(const std::string& device, const Arguments& arguments) {
   line.usage =
       "Usage: board get [DEVICE] REGISTER... [options]\n"
       "       board get [DEVICE] --all\n"
-      "Values of registers and what their fields mean (fpga_fw/spec/registers.md). To identify a\n"
-      "board switches its streams off: STREAMS reads 0.\n";
+      "Prints the values and fields of registers (fpga_fw/spec/registers.md). Connecting turns "
+      "all\n"
+      "streams off: STREAMS reads 0.\n";
   line.rest = "REGISTER";
   line.options.add_options()("all", boost::program_options::bool_switch(),
                              "every register that can be read");
@@ -115,14 +120,14 @@ void get_registers(const std::string& device, const Arguments& arguments) {
   for (const std::string& name : parsed->positional) {
     wanted.push_back(&find_register(name));
     if (wanted.back()->access != Access::kWriteOnly) continue;
-    throw UsageError("register " + name + " is write only");
+    throw UsageError(fmt::format("register {} is write only", name));
   }
   if (parsed->options["all"].as<bool>()) {
     for (const Register& reg : spec::register_table()) {
       if (reg.access != Access::kWriteOnly) wanted.push_back(&reg);
     }
   }
-  if (wanted.empty()) throw UsageError("REGISTER is missing: allowed are names, or --all");
+  if (wanted.empty()) throw UsageError("REGISTER is missing: allowed are register names, or --all");
   Connection board(device, patience(parsed->options));
   board.identify();
   std::vector<std::uint32_t> addresses;
@@ -137,15 +142,17 @@ void set_registers(const std::string& device, const Arguments& arguments) {
   line.usage =
       "Usage: board set [DEVICE] REGISTER=VALUE... [options]\n"
       "       board set [DEVICE] REGISTER.FIELD=VALUE... [options]\n"
-      "Writes registers, in this order, and reads them back. VALUE is decimal or 0x...; what is\n"
-      "set by field leaves the other fields as they are. The configuration (WIDTH to\n"
-      "SPECKLE_RANGE) takes effect with CONTROL.apply=1, at the next frame.\n";
+      "Writes registers in this order and reads them back. VALUE is decimal or 0x... Setting a "
+      "field\n"
+      "leaves the other fields unchanged. The configuration registers (WIDTH to SPECKLE_RANGE) "
+      "take\n"
+      "effect with CONTROL.apply=1, at the next frame.\n";
   line.rest = "REGISTER=VALUE";
   add_patience(line.options);
   line.notes = "Registers that can be written:\n";
   for (const Register& reg : spec::register_table()) {
     if (reg.access == Access::kReadOnly) continue;
-    line.notes += concat("  ", reg.name, ": ", reg.about, " (", name_of(reg.access), ")\n");
+    line.notes += fmt::format("  {}: {} ({})\n", reg.name, reg.about, name_of(reg.access));
   }
   const auto parsed = parse(line, arguments);
   if (!parsed) return;

@@ -1,4 +1,6 @@
 // board selftest.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -15,20 +17,20 @@ namespace {
 
 namespace po = boost::program_options;
 
-constexpr double kSlowestLine = 100e3;  // bytes/s that a pair and its results are waited for
-constexpr double kMoreTime = 15;        // s: to send it again on a line that loses some
-constexpr double kConfigureTime = 30;   // s
+constexpr double kMinLinkSpeed = 100e3;       // bytes/s
+constexpr double kRetryTime = 15;             // s: for pairs that the link loses
+constexpr double kConfigurationTimeout = 30;  // s
 
-/// What is sent, under which settings, and what comes back.
+/// One pair with its parameters and rectification.
 struct Case {
   unsigned seed = 0;
-  bool moving = false;  // meshes that move something
+  bool is_rectified = false;  // the meshes displace pixels
   Parameters parameters;
   StereoRectification rectification;
   cv::Mat1b left, right;
 };
 
-/// Texture whose disparities vary in bands of rows, and noise that makes some of it ambiguous.
+/// Creates a textured pair. The disparity changes every 8 rows; noise makes some matches ambiguous.
 void make_pair(cv::Size size, unsigned seed, int disparities, cv::Mat1b& left, cv::Mat1b& right) {
   cv::RNG random(seed * 7919 + 1);
   right.create(size);
@@ -44,9 +46,10 @@ void make_pair(cv::Size size, unsigned seed, int disparities, cv::Mat1b& left, c
   }
 }
 
-/// Turned about the middle, as far as the line buffer allows, and shifted.
-CameraRectification turned(cv::Size size, int rows, double sign, int shift_x,
-                           const std::string& camera) {
+/// Returns a mesh that rotates the image about its centre, as far as the line buffer allows, and
+/// shifts it.
+CameraRectification make_rotation(cv::Size size, int rows, double sign, int shift_x,
+                                  const std::string& camera) {
   const double room = std::max(0.0, (rows - 8) / 4.0);  // px up or down at the edge
   const double angle = sign * std::min(0.02, room / size.width);
   const cv::Point2d middle(size.width / 2.0, size.height / 2.0);
@@ -59,10 +62,10 @@ CameraRectification turned(cv::Size size, int rows, double sign, int shift_x,
   return *made;
 }
 
-Case make_case(const GatewareBuild& build, cv::Size size, unsigned seed, bool moving) {
+Case make_case(const GatewareBuild& build, cv::Size size, unsigned seed, bool is_rectified) {
   Case made;
   made.seed = seed;
-  made.moving = moving;
+  made.is_rectified = is_rectified;
   Parameters& p = made.parameters;
   p = parameters_of(build);
   p.min_disparity = static_cast<int>(seed % 3);
@@ -73,9 +76,9 @@ Case make_case(const GatewareBuild& build, cv::Size size, unsigned seed, bool mo
   StereoGeometry geometry;
   geometry.image_size = size;
   made.rectification = identity_rectification(geometry, p.min_disparity);
-  if (moving) {
-    made.rectification.left = turned(size, build.line_rows, 1, 0, "left");
-    made.rectification.right = turned(size, build.line_rows, -1, p.min_disparity, "right");
+  if (is_rectified) {
+    made.rectification.left = make_rotation(size, build.line_rows, 1, 0, "left");
+    made.rectification.right = make_rotation(size, build.line_rows, -1, p.min_disparity, "right");
   }
   make_pair(size, seed, build.disparities, made.left, made.right);
   return made;
@@ -90,11 +93,15 @@ class SelfTest {
   SelfTest(Connection& board, const link::Identity& identity, link::StreamSet streams)
       : board_(board), identity_(identity), streams_(streams) {}
 
+  /// Returns how many pairs the link lost.
+  int num_lost() const { return num_lost_; }
+
+  /// Sends the pair of a case and compares the results.
   Comparison run(const Case& test) {
     const auto made =
         make_gateware_configuration(identity_.build, test.parameters, test.rectification);
-    require(made, "this board cannot be tested with that: ");
-    configure(board_, *made, ++tag_, streams_, true, kConfigureTime);
+    require(made, "this board cannot be tested with these settings: ");
+    apply_configuration(board_, *made, ++tag_, streams_, true, kConfigurationTimeout);
     const link::FrameSet set = send(test);
     const DisparityFrame& frame = pipeline_.process(test.left, test.right, test.rectification,
                                                     test.parameters, cv::getNumberOfCPUs());
@@ -106,20 +113,21 @@ class SelfTest {
   }
 
  private:
-  /// The pair to the board, until all that it makes of it is here.
+  /// Sends a pair, again if necessary. Returns its complete frame set.
   link::FrameSet send(const Case& test) {
-    const double time = std::max(1.0, static_cast<double>(test.left.total()) * 6 / kSlowestLine);
+    const double time = std::max(1.0, static_cast<double>(test.left.total()) * 6 / kMinLinkSpeed);
     const auto begin = std::chrono::steady_clock::now();
     const auto spent = [&] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
-    for (; spent() < time + kMoreTime; ++lost_) {
+    for (; spent() < time + kRetryTime; ++num_lost_) {
       const std::uint64_t id = ++frame_;
       const bool sent = board_.wait_until(board_.patience(), [&](const Connection::Snapshot&) {
         return board_.device().send_pair(test.left, test.right, id, id);
       });
       if (!sent) {
-        throw std::runtime_error("the board takes no pair: " + board_.snapshot().trouble_text);
+        throw std::runtime_error("the board does not accept pairs: " +
+                                 board_.snapshot().trouble_text);
       }
       std::optional<link::FrameSet> found;
       board_.wait_until(time, [&](const Connection::Snapshot&) {
@@ -129,13 +137,14 @@ class SelfTest {
         }
         return found.has_value();
       });
-      if (found && whole(*found)) return *found;
+      if (found && is_complete(*found)) return *found;
     }
-    throw std::runtime_error(concat("no result of a pair came whole within ", time + kMoreTime,
-                                    " s: what does board measure say?"));
+    throw std::runtime_error(
+        fmt::format("no complete frame set came within {:g} s: check the link with board measure",
+                    time + kRetryTime));
   }
 
-  bool whole(const link::FrameSet& set) const {
+  bool is_complete(const link::FrameSet& set) const {
     for (const StreamName& each : kStreamNames) {
       if (streams_.contains(each.stream) && set.image(each.stream).empty()) return false;
     }
@@ -146,16 +155,16 @@ class SelfTest {
                const cv::Mat& software, Comparison& all) {
     if (board.empty()) return;
     if (board.size() != software.size() || board.type() != software.type()) {
-      throw std::runtime_error(concat(name, " has ", board.cols, "x", board.rows, " pixels: ",
-                                      software.cols, "x", software.rows, " were expected"));
+      throw std::runtime_error(fmt::format("{} has {}x{} pixels, expected {}x{}", name, board.cols,
+                                           board.rows, software.cols, software.rows));
     }
-    const cv::Mat differ = board != software;
-    const auto count = static_cast<std::uint64_t>(cv::countNonZero(differ));
+    const cv::Mat difference = board != software;
+    const auto count = static_cast<std::uint64_t>(cv::countNonZero(difference));
     all.compared += board.total();
     all.differing += count;
     if (count == 0) return;
     std::vector<cv::Point> where;
-    cv::findNonZero(differ, where);
+    cv::findNonZero(difference, where);
     const auto value = [&](const cv::Mat& image) {
       return image.depth() == CV_16U ? image.at<std::uint16_t>(where[0])
                                      : image.at<std::uint8_t>(where[0]);
@@ -170,9 +179,7 @@ class SelfTest {
   const link::StreamSet streams_;
   Pipeline pipeline_;
   std::uint64_t tag_ = 0, frame_ = 0;
-
- public:
-  int lost_ = 0;
+  int num_lost_ = 0;
 };
 
 }  // namespace
@@ -181,15 +188,15 @@ void self_test(const std::string& device, const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board selftest [DEVICE] [options]\n"
-      "Sends textured pairs through the board in place of its cameras, with calibrations that "
-      "move\n"
-      "nothing and such that do and with varied parameters, and compares what comes back with the\n"
-      "software, bit for bit. The exit code is 1 where a single pixel differs. The board is to be\n"
-      "configured anew afterwards.\n";
+      "Sends textured pairs to the board in place of its cameras, with and without rectification "
+      "and\n"
+      "with varied parameters, and compares the results with the software, bit for bit. The exit "
+      "code\n"
+      "is 1 if a single pixel differs. Afterwards the board must be configured again.\n";
   line.options.add_options()("size", po::value<std::string>()->value_name("WxH"),
-                             "of the pairs; by default as wide as the board can, 4 : 3");
+                             "size of the pairs [default: the maximum width, 4:3]");
   line.options.add_options()("pairs", po::value<int>()->value_name("N")->default_value(3),
-                             "so many, each with two calibrations [1 to 1000]");
+                             "number of pairs, each sent with two calibrations [1 to 1000]");
   add_patience(line.options);
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
@@ -204,8 +211,9 @@ void self_test(const std::string& device, const Arguments& arguments) {
   const link::Identity identity = board.identify();
   if (!identity.supports(link::Stream::kInput) || !identity.supports(link::Stream::kDisparity)) {
     throw std::runtime_error(
-        "this board takes no pairs from the host, or sends no disparity: "
-        "see streams of board probe");
+        "this board accepts no pairs from the host or sends no disparity: see the streams that "
+        "board "
+        "probe prints");
   }
   if (size.empty()) size = {identity.build.max_width, identity.build.max_width * 3 / 4};
   link::StreamSet streams;
@@ -216,22 +224,21 @@ void self_test(const std::string& device, const Arguments& arguments) {
   SelfTest test(board, identity, streams);
   Comparison all;
   for (int seed = 1; seed <= pairs; ++seed) {
-    for (const bool moving : {false, true}) {
+    for (const bool is_rectified : {false, true}) {
       const Comparison one =
-          test.run(make_case(identity.build, size, static_cast<unsigned>(seed), moving));
+          test.run(make_case(identity.build, size, static_cast<unsigned>(seed), is_rectified));
       std::cout << "seed " << seed << ", " << size.width << "x" << size.height
-                << (moving ? ", rectified" : ", as it is") << ": " << one.compared
+                << (is_rectified ? ", rectified" : ", not rectified") << ": " << one.compared
                 << " pixels compared, " << one.differing << " differ" << std::endl;
       all.compared += one.compared;
       all.differing += one.differing;
     }
   }
   std::cout << "all: " << all.compared << " pixels compared, " << all.differing << " differ; "
-            << test.lost_ << " pairs were lost on the way and sent again\n";
+            << test.num_lost() << " pairs were lost on the link and sent again\n";
   if (all.differing != 0) {
-    throw std::runtime_error(concat(all.differing, " of ", all.compared,
-                                    " pixels differ: this board does not compute what the "
-                                    "software does"));
+    throw std::runtime_error(fmt::format(
+        "{} of {} pixels differ between this board and the software", all.differing, all.compared));
   }
 }
 

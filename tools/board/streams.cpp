@@ -1,5 +1,7 @@
 #include "board/streams.hpp"
 
+#include <fmt/format.h>
+
 #include <sstream>
 
 #include "support/program.hpp"
@@ -18,11 +20,11 @@ link::StreamSet parse_streams(const std::string& text) {
     }
     if (found.empty()) {
       throw UsageError(
-          concat("--streams: \"", name, "\" is no stream: allowed are some of ", allowed));
+          fmt::format("--streams: \"{}\" is not a stream: allowed are {}", name, allowed));
     }
     streams |= found;
   }
-  if (streams.empty()) throw UsageError("--streams names no stream");
+  if (streams.empty()) throw UsageError("--streams is empty: name at least one stream");
   return streams;
 }
 

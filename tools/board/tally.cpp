@@ -1,5 +1,7 @@
 #include "board/tally.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -14,7 +16,7 @@ using Verdict = link::FrameVerdict;
 
 constexpr std::array<std::pair<Verdict, const char*>, 4> kCauses{
     {{Verdict::kRowsMissing, "rows missing"},
-     {Verdict::kNoTrailer, "no end"},
+     {Verdict::kNoTrailer, "trailer missing"},
      {Verdict::kFlagged, "flagged by the board"},
      {Verdict::kBadSignature, "wrong signature"}}};
 
@@ -66,7 +68,7 @@ std::string Tally::text(const FrameSource& source) const {
   table.line("time", rounded(time, 2), " s");
   const std::uint64_t bytes = end.decoder.bytes - start_.decoder.bytes;
   table.line("bytes", bytes, " from the board, ", rate(bytes, 1e6), " MB/s; ",
-             end.transport.bytes_out, " to it; ", end.transport.stalls, " stalls of the line");
+             end.transport.bytes_out, " to it; ", end.transport.stalls, " stalls of the link");
   for (const StreamName& each : kStreamNames) {
     if (!streams_.contains(each.stream)) continue;
     const std::uint64_t count = frames_[static_cast<std::size_t>(each.stream)];
@@ -74,16 +76,16 @@ std::string Tally::text(const FrameSource& source) const {
   }
   std::string causes;
   for (const auto& [verdict, name] : kCauses) {
-    causes += concat(", ", dropped_[static_cast<std::size_t>(verdict)], " ", name);
+    causes += fmt::format(", {} {}", dropped_[static_cast<std::size_t>(verdict)], name);
   }
   table.line("dropped", end.board.frames_dropped - start_.board.frames_dropped,
-             " by the board (line too slow)", causes, ", ", end.session.unknown_configurations,
+             " by the board (link too slow)", causes, ", ", end.session.unknown_configurations,
              " of an unknown configuration");
   table.line("packets", end.decoder.packets - start_.decoder.packets, " good, ",
              end.decoder.lost_packets - start_.decoder.lost_packets, " lost, ",
-             end.decoder.bad_headers - start_.decoder.bad_headers, " wrong headers, ",
-             end.decoder.bad_payloads - start_.decoder.bad_payloads, " wrong payloads, ",
-             end.decoder.skipped_bytes - start_.decoder.skipped_bytes, " bytes of none");
+             end.decoder.bad_headers - start_.decoder.bad_headers, " bad headers, ",
+             end.decoder.bad_payloads - start_.decoder.bad_payloads, " bad payloads, ",
+             end.decoder.skipped_bytes - start_.decoder.skipped_bytes, " bytes skipped");
   if (end.times_opened == 0) return table.text();  // a recording
 
   if (!latencies_.empty()) {
@@ -102,14 +104,15 @@ std::string Tally::text(const FrameSource& source) const {
   for (int i = 0; i < link::kNumWatchdogSteps; ++i) {
     const auto step = static_cast<link::WatchdogStep>(i);
     const auto index = static_cast<std::size_t>(i);
-    steps +=
-        concat(link::name(step), " ", end.session.steps[index] - start_.session.steps[index], ", ");
+    steps += fmt::format("{} {}, ", link::name(step),
+                         end.session.steps[index] - start_.session.steps[index]);
   }
   table.line("watchdog", steps, "opened ", end.times_opened, " times; ", end.session.requests,
-             " requests, ", end.session.retries, " repeated");
-  table.line("board", end.board.bad_packets, " wrong and ", end.board.lost_packets,
-             " lost packets of ours; ", end.board.cut_frames, " cut and ", end.board.long_frames,
-             " long frames of the cameras, ", end.board.buffer_errors, " line buffer errors");
+             " requests, ", end.session.retries, " retries");
+  table.line("board", end.board.bad_packets, " bad and ", end.board.lost_packets,
+             " lost packets from the host; ", end.board.cut_frames, " cut and ",
+             end.board.long_frames, " long frames from the cameras, ", end.board.buffer_errors,
+             " line buffer errors");
   return table.text();
 }
 

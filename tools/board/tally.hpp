@@ -1,4 +1,4 @@
-// What has come over a line in a while, for people.
+// Statistics of a link over a period of time.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ class Tally {
 
   void add(const ArrivedFrames& frames);
   double seconds() const;
-  /// Table of lines "name  value".
+  /// Returns the statistics as a table with one line per topic.
   std::string text(const FrameSource& source) const;
 
  private:

@@ -1,4 +1,5 @@
 // board udev.
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -20,7 +21,7 @@ void run_udevadm(const Arguments& arguments) {
   Arguments command{"udevadm"};
   command.insert(command.end(), arguments.begin(), arguments.end());
   Child child(command, {}, "udevadm is missing: install the package udev");
-  if (child.wait() != 0) throw std::runtime_error("udevadm " + arguments[0] + " has failed");
+  if (child.wait() != 0) throw std::runtime_error("udevadm " + arguments[0] + " failed");
 }
 
 }  // namespace
@@ -29,15 +30,15 @@ void udev_rule(const std::string&, const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board udev [--install]\n"
-      "Prints the udev rule that lets users open the board on USB, or installs it, as root.\n"
-      "Where ROS is not in root's environment: board udev | sudo tee " +
+      "Prints the udev rule that gives users access to boards on USB, or installs it (as root).\n"
+      "If root has no ROS environment, run board udev | sudo tee " +
       std::string(kFolder) + "/" + kFile + ",\nthen sudo udevadm control --reload.\n";
   line.options.add_options()("install", boost::program_options::bool_switch(),
-                             "write it, and have udev read it");
+                             "install the rule and reload udev");
   line.options.add_options()(
       "folder",
       boost::program_options::value<std::string>()->value_name("DIR")->default_value(kFolder),
-      "where to; udev is told only if it is its own");
+      "folder to install to; udev is reloaded only for the default");
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   if (!parsed->options["install"].as<bool>()) {
@@ -51,15 +52,15 @@ void udev_rule(const std::string&, const Arguments& arguments) {
   file.close();
   if (!file) {
     const bool denied = errno == EACCES || errno == EPERM;
-    throw std::runtime_error(
-        concat(path, ": cannot be written: ", std::strerror(errno),
-               denied && geteuid() != 0 ? "; 'board udev | sudo tee " + path + "' can" : ""));
+    throw std::runtime_error(fmt::format(
+        "{}: cannot be written: {}{}", path, std::strerror(errno),
+        denied && geteuid() != 0 ? "; run 'board udev | sudo tee " + path + "' instead" : ""));
   }
   if (folder == kFolder) {
     run_udevadm({"control", "--reload"});
     run_udevadm({"trigger", "--subsystem-match=usb"});
   }
-  std::cout << path << " is installed; plug the board in again if it cannot be opened yet\n";
+  std::cout << path << " is installed; if the board cannot be opened yet, plug it in again\n";
 }
 
 }  // namespace fpga_stereo::tools

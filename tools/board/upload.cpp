@@ -1,4 +1,6 @@
 // board upload.
+#include <fmt/format.h>
+
 #include <iostream>
 
 #include "board/build.hpp"
@@ -12,28 +14,30 @@ namespace {
 
 namespace po = boost::program_options;
 
-constexpr double kConfigureTime = 30;  // s: a slow line carries two meshes, and reads them back
+constexpr double kConfigurationTimeout = 30;  // s, for two meshes over a slow serial port
 
 CommandLine command_line() {
   CommandLine line;
   line.usage =
       "Usage: board upload [DEVICE] --left-info YAML --right-info YAML [options]\n"
       "       board upload [DEVICE] --size WIDTHxHEIGHT [options]\n"
-      "Calibration and parameters onto the board, read back; they stay until it loses power or\n"
-      "somebody else uploads. Parameters that its gateware fixes (disparities, windows, pattern)\n"
-      "are its own unless told; what it cannot do is refused, and nothing is changed.\n";
+      "Sends calibration and parameters to the board and reads them back. They stay until "
+      "power-off or\n"
+      "the next upload. Parameters that the gateware fixes (disparities, windows, pattern) default "
+      "to\n"
+      "those of its build. If the board does not support a value, nothing is changed.\n";
   const auto text = [&](const char* name, const char* value, const char* about) {
     line.options.add_options()(name, po::value<std::string>()->value_name(value), about);
   };
-  text("left-info", "YAML", "camera_info of the left camera");
-  text("right-info", "YAML", "camera_info of the right camera");
-  text("size", "WxH", "of images that are rectified already, px");
+  text("left-info", "YAML", "camera_info file of the left camera");
+  text("right-info", "YAML", "camera_info file of the right camera");
+  text("size", "WxH", "size of images that are rectified already, px");
   add_patience(line.options);
   line.options.add(parameter_options());
   return line;
 }
 
-/// Throws UsageError before anything is sent.
+/// Checks the options before anything is sent. Throws UsageError.
 void check_usage(const po::variables_map& options) {
   const auto given = [&](const char* name) { return options.count(name) != 0; };
   if (given("size")) {
@@ -44,7 +48,7 @@ void check_usage(const po::variables_map& options) {
     return;
   }
   for (const char* info : {"left-info", "right-info"}) {
-    if (!given(info)) throw UsageError(concat("--", info, " (or --size) is missing"));
+    if (!given(info)) throw UsageError(fmt::format("--{} (or --size) is missing", info));
   }
 }
 
@@ -72,12 +76,12 @@ void upload(const std::string& device, const Arguments& arguments) {
   const StereoRectification rectification =
       rectification_from(parsed->options, parameters.min_disparity);
   const auto made = make_gateware_configuration(identity.build, parameters, rectification);
-  require(made, "this board cannot do that: ");
-  configure(board, *made, 0, 0, false, kConfigureTime);
+  require(made, "this board does not support these settings: ");
+  apply_configuration(board, *made, 0, 0, false, kConfigurationTimeout);
 
   const cv::Size size = rectification.geometry.image_size;
   const std::uint32_t number = board.read({spec::kRegConfiguration})[0];
-  std::cout << "configuration " << number << " was written and read back: " << size.width << "x"
+  std::cout << "configuration " << number << " was sent and read back: " << size.width << "x"
             << size.height << ", line buffer " << line_rows(rectification) << " of "
             << identity.build.line_rows << " rows, mesh " << Mesh::node_count(size).area() << " of "
             << identity.build.mesh_nodes << " nodes\n";

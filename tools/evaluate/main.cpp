@@ -1,4 +1,6 @@
-// evaluate DIR: bad pixels on the four pairs of the Middlebury stereo evaluation, version 2.
+// evaluate DIR: counts bad pixels on the four pairs of the Middlebury stereo evaluation, version 2.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -20,28 +22,29 @@ CommandLine command_line() {
   CommandLine line;
   line.usage =
       "Usage: evaluate DIR [options]\n"
-      "Counts bad pixels, more than 1.0 px off the ground truth, on the Middlebury stereo\n"
-      "evaluation, version 2. DIR holds tsukuba, venus, teddy and cones; each of them holds\n"
+      "Counts bad pixels on the Middlebury stereo evaluation, version 2. A pixel is bad if its\n"
+      "error is above 1.0 px. DIR contains tsukuba, venus, teddy and cones; each of them contains\n"
       "imL.png, imR.png, groundtruth.png, nonocc.png, all.png and disc.png.\n"
       "Configurations, for both census patterns unless --census_pattern is given:\n"
-      "  dense       no check, no speckle filter, whole pixels; percent of nonocc, all and disc\n"
-      "  filled      the parameters as given or by default; holes take the smaller of the\n"
-      "              nearest disparities to their left and right; the same percentages\n"
-      "  semi-dense  the parameters as given or by default; bad percent of the nonocc pixels\n"
-      "              that have a disparity, and how many have one (coverage)\n"
+      "  dense       no checks, no speckle filter, no sub-pixel refinement; percentage of bad\n"
+      "              pixels in nonocc, all and disc\n"
+      "  filled      the given or default parameters; a hole takes the smaller of the nearest\n"
+      "              disparities to its left and right; the same percentages\n"
+      "  semi-dense  the given or default parameters; percentage of bad pixels among the nonocc\n"
+      "              pixels with a disparity, and the percentage with a disparity (coverage)\n"
       "Every pair is searched over the range of the benchmark (16, 20, 60 and 60 disparities)\n"
       "unless --disparity_range is given.\n"
-      "--opencv adds OpenCV's StereoBM (window 15) and StereoSGBM (block 5), without checks, "
-      "holes\n"
-      "filled in the same way.\n";
+      "--opencv adds OpenCV's StereoBM (window 15) and StereoSGBM (block size 5), with holes "
+      "filled\n"
+      "in the same way.\n";
   line.positional = {"DIR"};
   line.options.add_options()("csv", po::value<std::string>()->value_name("FILE"),
-                             "write the table as comma-separated values, too");
+                             "also write the table as comma-separated values");
   line.options.add_options()(
       "pictures", po::value<std::string>()->value_name("DIR"),
-      "write pictures of every disparity and its errors: black = right, white = bad, "
+      "write pictures of all disparities and their errors: black = correct, white = bad, "
       "grey = not evaluated");
-  line.options.add_options()("opencv", "OpenCV's block matchers beside ours");
+  line.options.add_options()("opencv", "also evaluate OpenCV's block matchers");
   add_threads_option(line.options);
   line.options.add(parameter_options());
   return line;
@@ -58,8 +61,8 @@ void write_pictures(const Evaluation& evaluation, const MiddleburyPair& pair,
                     const std::string& configuration, Region region, bool holes_count,
                     const cv::Mat1w& disparity, const Parameters& p) {
   if (evaluation.pictures.empty()) return;
-  const std::string stem = concat(evaluation.pictures, "/", pair.scene.name, "_",
-                                  to_text(p.census_pattern), "_", configuration);
+  const std::string stem = fmt::format("{}/{}_{}_{}", evaluation.pictures, pair.scene.name,
+                                       to_text(p.census_pattern), configuration);
   cv::Mat3b picture;
   to_color(disparity, p.disparity_range, picture);
   write_image(stem + "_disparity.png", picture);
@@ -67,7 +70,8 @@ void write_pictures(const Evaluation& evaluation, const MiddleburyPair& pair,
               error_picture(pair, region, disparity, p.min_disparity, holes_count));
 }
 
-/// Rows nonocc, all, disc and their mean of a configuration that gives every pixel a disparity.
+/// Fills the rows nonocc, all, disc and mean of a configuration in which every pixel has a
+/// disparity.
 void add_regions(const MiddleburyPair& pair, std::size_t scene, const cv::Mat1w& disparity,
                  int min_disparity, ReportRow* rows) {
   for (const Region region : {kNonOccluded, kAll, kDiscontinuities}) {
@@ -83,7 +87,7 @@ void append_regions(const std::string& pattern, const std::string& configuration
   rows.push_back({pattern, configuration, "mean"});
 }
 
-/// The rows of one pattern, all zero.
+/// Returns the rows of one census pattern, all zero.
 std::vector<ReportRow> empty_rows(const std::string& pattern) {
   std::vector<ReportRow> rows;
   append_regions(pattern, "dense", rows);
@@ -99,20 +103,21 @@ void evaluate_pair(const Evaluation& evaluation, const MiddleburyPair& pair, std
   if (!evaluation.range_given) p.disparity_range = pair.scene.disparity_range;
   StereoGeometry geometry;
   geometry.image_size = pair.left.size();
-  const StereoRectification none = identity_rectification(geometry, p.min_disparity);
+  const StereoRectification identity = identity_rectification(geometry, p.min_disparity);
   const std::string prefix = std::string(pair.scene.name) + ": ";
-  require(validate_image(pair.left, none, "left"), prefix);
+  require(validate_image(pair.left, identity, "left"), prefix);
   Pipeline pipeline;
 
   Parameters dense = p;
   dense.left_right_check = dense.uniqueness_check = dense.subpixel = false;
   dense.speckle_size = 0;
   cv::Mat1w disparity =
-      pipeline.process(pair.left, pair.right, none, dense, evaluation.num_threads).disparity;
+      pipeline.process(pair.left, pair.right, identity, dense, evaluation.num_threads).disparity;
   add_regions(pair, scene, disparity, p.min_disparity, &rows[kDenseRow]);
   write_pictures(evaluation, pair, "dense", kAll, true, disparity, p);
 
-  disparity = pipeline.process(pair.left, pair.right, none, p, evaluation.num_threads).disparity;
+  disparity =
+      pipeline.process(pair.left, pair.right, identity, p, evaluation.num_threads).disparity;
   const Score semi_dense = score(pair, kNonOccluded, disparity, p.min_disparity);
   rows[kSemiDenseRow].scenes[scene] = semi_dense.bad_of_valid();
   rows[kCoverageRow].scenes[scene] = semi_dense.coverage();
@@ -170,7 +175,7 @@ void evaluate(const Arguments& arguments) {
     p.census_pattern = pattern;
     for (std::size_t scene = 0; scene < pairs.size(); ++scene) {
       evaluate_pair(evaluation, pairs[scene], scene, p, rows);
-      progress.done(concat(pairs[scene].scene.name, " ", to_text(pattern)));
+      progress.done(fmt::format("{} {}", pairs[scene].scene.name, to_text(pattern)));
     }
     all_rows.insert(all_rows.end(), rows.begin(), rows.end());
   }
@@ -179,7 +184,7 @@ void evaluate(const Arguments& arguments) {
     const std::vector<ReportRow> rows = evaluate_peer(evaluation, peer, pairs);
     all_rows.insert(all_rows.end(), rows.begin(), rows.end());
   }
-  std::cout << "Bad pixels (more than 1.0 px off), and coverage, percent\n";
+  std::cout << "Bad pixels (error above 1.0 px) and coverage, percent\n";
   print_table(all_rows, std::cout);
   if (csv.is_open()) {
     print_csv(all_rows, csv);

@@ -21,7 +21,8 @@ cv::Mat1w peer_disparity(const std::string& peer, const cv::Mat& left, const cv:
     }
   }
   if (bm) {
-    // It leaves out half a window above and below, which would count against it.
+    // StereoBM computes nothing for half a window at the top and bottom. Copy the nearest row, so
+    // that these rows do not all count as bad.
     constexpr int kHalf = kStereoBmWindow / 2;
     for (int y = 0; y < kHalf && disparity.rows > kStereoBmWindow; ++y) {
       disparity.row(kHalf).copyTo(disparity.row(y));

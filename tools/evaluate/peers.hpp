@@ -1,4 +1,4 @@
-// The block matchers that stereo_image_proc offers, to compare with.
+// Disparities of the block matchers of stereo_image_proc, for comparison.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@ namespace fpga_stereo::tools {
 
 constexpr std::array<const char*, 2> kPeers{"StereoBM", "SGBM"};
 
-/// What OpenCV's StereoBM (window 15) or StereoSGBM (block 5) makes of a rectified pair (8UC1),
-/// with uniqueness, left-right check and speckle filter on: 1/32 px, kNoDisparity = none. The range
-/// is rounded up to the multiple of 16 that they need.
+/// Computes the disparity of a rectified pair (8UC1) with a matcher of kPeers, made by
+/// make_opencv_matcher(). The result is in 1/32 px; kNoDisparity = invalid. The search range is
+/// rounded up to the multiple of 16 that the matchers need.
 cv::Mat1w peer_disparity(const std::string& peer, const cv::Mat& left, const cv::Mat& right,
                          int disparity_range);
 

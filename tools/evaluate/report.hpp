@@ -1,4 +1,4 @@
-// The numbers of an evaluation and how they are shown.
+// The results of an evaluation and their output.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace fpga_stereo::tools {
 
-/// One measure over the scenes, percent.
+/// One measure for all scenes, percent.
 struct ReportRow {
   std::string pattern;        // census pattern
   std::string configuration;  // dense, filled, semi-dense
@@ -20,9 +20,9 @@ struct ReportRow {
   double average() const;
 };
 
-/// Aligned columns for people, two decimals.
+/// Prints aligned columns with two decimals.
 void print_table(const std::vector<ReportRow>& rows, std::ostream& out);
-/// The same as comma-separated values, four decimals.
+/// Prints comma-separated values with four decimals.
 void print_csv(const std::vector<ReportRow>& rows, std::ostream& out);
 
 }  // namespace fpga_stereo::tools

@@ -1,4 +1,6 @@
-// make_bag calibrate: chessboard pairs -> camera_info of both cameras.
+// make_bag calibrate: computes the camera_info files of a stereo camera from chessboard pairs.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -18,29 +20,32 @@ namespace po = boost::program_options;
 using Strings = std::vector<std::string>;
 using Corners = std::vector<cv::Point2f>;
 
-constexpr std::size_t kFewestPairs = 3;
+constexpr std::size_t kMinPairs = 3;
 
 CommandLine command_line() {
   CommandLine line;
   line.usage =
       "Usage: make_bag calibrate --left IMAGES --right IMAGES --board 9x6 --square METRES\n"
       "                          --left-info OUT.yaml --right-info OUT.yaml\n"
-      "Calibrates a stereo camera from pictures of a chessboard: each camera alone, then both\n"
-      "together, then rectification without black borders. Prints the reprojection error and,\n"
-      "after rectification, how much the rows of left and right corners differ.\n"
-      "IMAGES: files, folders or quoted patterns; both sides are sorted by name, and the n-th\n"
-      "left belongs to the n-th right image. At least 3 pairs must show the whole board.\n";
+      "Calibrates a stereo camera from images of a chessboard: first each camera, then both, then\n"
+      "rectification without black borders. Prints the reprojection error and the difference\n"
+      "between the rows of left and right corners after rectification.\n"
+      "IMAGES are files, folders or quoted patterns. Both sides are sorted by name; the n-th left "
+      "and\n"
+      "the n-th right image form a pair. At least 3 pairs must show the whole chessboard.\n";
   const auto option = [&](const char* name, auto* value, const char* about) {
     line.options.add_options()(name, value->required(), about);
   };
   option("left", po::value<Strings>()->multitoken()->value_name("IMAGES"), "left images");
   option("right", po::value<Strings>()->multitoken()->value_name("IMAGES"), "right images");
   option("board", po::value<std::string>()->value_name("CxR"),
-         "inner corners of the board, columns x rows");
+         "inner corners of the chessboard, columns x rows");
   option("square", po::value<double>()->value_name("METRES"),
-         "side of a square of the board, m [0.0001 to 100]");
-  option("left-info", po::value<std::string>()->value_name("YAML"), "file to write, left");
-  option("right-info", po::value<std::string>()->value_name("YAML"), "file to write, right");
+         "side of a square of the chessboard, m [0.0001 to 100]");
+  option("left-info", po::value<std::string>()->value_name("YAML"),
+         "camera_info file to write, left");
+  option("right-info", po::value<std::string>()->value_name("YAML"),
+         "camera_info file to write, right");
   return line;
 }
 
@@ -50,25 +55,25 @@ cv::Size board_size(const std::string& text) {
     const cv::Size board(std::stoi(match[1]), std::stoi(match[2]));
     if (board.width >= 3 && board.height >= 3) return board;
   }
-  throw UsageError(concat("--board = \"", text, "\": allowed COLUMNSxROWS, each 3 to 999"));
+  throw UsageError(fmt::format("--board = \"{}\": allowed is COLUMNSxROWS, each 3 to 999", text));
 }
 
 void require_yaml(const std::string& option, const std::string& path) {
   if (std::regex_search(path, std::regex("\\.(yaml|yml)$"))) return;
-  throw UsageError(concat(option, " \"", path, "\": allowed is a file .yaml or .yml"));
+  throw UsageError(fmt::format("{} \"{}\": allowed are .yaml and .yml files", option, path));
 }
 
-/// What the pairs on which both cameras see the board show.
+/// The corners of all pairs in which both cameras see the whole chessboard.
 struct Views {
   cv::Size size;  // of the images
   std::vector<Corners> left, right;
 };
 
-/// Empty if the board is not found.
+/// Returns the inner corners; empty if the image does not show the whole chessboard.
 Corners find_board(const cv::Mat1b& image, cv::Size board) {
   Corners corners;
   if (!cv::findChessboardCorners(image, board, corners)) return {};
-  // 11 x 11 px around a corner, less where that would reach other corners.
+  // Search 11 x 11 px around a corner, or less if that would reach other corners.
   double spacing = cv::norm(corners[1] - corners[0]);
   for (std::size_t i = 2; i < corners.size(); ++i) {
     spacing = std::min(spacing, cv::norm(corners[i] - corners[i - 1]));
@@ -89,13 +94,14 @@ Views find_boards(const Strings& left, const Strings& right, cv::Size board) {
       const cv::Mat1b image = read_grey(path);
       if (views.size.empty()) views.size = image.size();
       if (image.size() != views.size) {
-        throw std::runtime_error(concat(path, ": is ", image.cols, "x", image.rows, ": ", left[0],
-                                        " is ", views.size.width, "x", views.size.height));
+        throw std::runtime_error(fmt::format("{}: is {}x{}: {} is {}x{}", path, image.cols,
+                                             image.rows, left[0], views.size.width,
+                                             views.size.height));
       }
       corners[side] = find_board(image, board);
       if (corners[side].empty()) {
-        std::cerr << "make_bag: " << path << ": no board of " << board.width << "x" << board.height
-                  << " inner corners: the pair is left out\n";
+        std::cerr << "make_bag: " << path << ": shows no chessboard with " << board.width << "x"
+                  << board.height << " inner corners: the pair is skipped\n";
       }
     }
     if (!corners[0].empty() && !corners[1].empty()) {
@@ -107,7 +113,7 @@ Views find_boards(const Strings& left, const Strings& right, cv::Size board) {
   return views;
 }
 
-/// RMS of the difference between the rows of left and right corners after rectification, px.
+/// Returns the RMS difference between the rows of left and right corners after rectification, px.
 double row_difference(const Views& views, const StereoInfo& info) {
   const auto rectified = [](const Corners& corners, const sensor_msgs::CameraInfo& camera) {
     Corners result;
@@ -144,15 +150,16 @@ void calibrate(const Arguments& arguments) {
   const Strings left_paths = list_images("--left", options["left"].as<Strings>());
   const Strings right_paths = list_images("--right", options["right"].as<Strings>());
   if (left_paths.size() != right_paths.size()) {
-    throw std::runtime_error(concat("--left gives ", left_paths.size(), " images and --right ",
-                                    right_paths.size(), ": the numbers must be equal"));
+    throw std::runtime_error(
+        fmt::format("--left gives {} images and --right {}: the numbers must be equal",
+                    left_paths.size(), right_paths.size()));
   }
 
   const Views views = find_boards(left_paths, right_paths, board);
-  if (views.left.size() < kFewestPairs) {
-    throw std::runtime_error(concat("the board is found in ", views.left.size(), " of ",
-                                    left_paths.size(), " pairs: at least ", kFewestPairs,
-                                    " are needed"));
+  if (views.left.size() < kMinPairs) {
+    throw std::runtime_error(
+        fmt::format("the chessboard was found in {} of {} pairs: at least {} are needed",
+                    views.left.size(), left_paths.size(), kMinPairs));
   }
   std::vector<cv::Point3f> corners;
   for (int row = 0; row < board.height; ++row) {

@@ -1,4 +1,5 @@
-// make_bag create: image files and a calibration -> bag.
+// make_bag create: writes image files and a calibration to a bag.
+#include <fmt/format.h>
 #include <rosbag/bag.h>
 
 #include <filesystem>
@@ -27,34 +28,39 @@ CommandLine command_line() {
       "       make_bag create OUT.bag --left IMAGES --right IMAGES\n"
       "                       --rectified FOCAL BASELINE [options]\n"
       "       make_bag create OUT.bag --euroc DIR [options]\n"
-      "Writes a bag with /CAMERA/left and right image_raw (mono8 or bgr8, as the files are) and\n"
-      "camera_info. Stamps are the same within a pair. IMAGES: files, folders or quoted patterns;\n"
-      "both sides are sorted by name, and the n-th left belongs to the n-th right image.\n";
+      "Writes a bag with image_raw (mono8 or bgr8, depending on the files) and camera_info in\n"
+      "/CAMERA/left and /CAMERA/right. Both images of a pair have the same stamp. IMAGES are "
+      "files,\n"
+      "folders or quoted patterns. Both sides are sorted by name; the n-th left and the n-th "
+      "right\n"
+      "image form a pair.\n";
   line.positional = {"OUT.bag"};
   const auto option = [&](const char* name, auto* value, const char* about) {
     line.options.add_options()(name, value, about);
   };
   option("left", po::value<Strings>()->multitoken()->value_name("IMAGES"), "left images");
   option("right", po::value<Strings>()->multitoken()->value_name("IMAGES"), "right images");
-  option("left-info", po::value<std::string>()->value_name("YAML"), "camera_info of the left");
-  option("right-info", po::value<std::string>()->value_name("YAML"), "camera_info of the right");
+  option("left-info", po::value<std::string>()->value_name("YAML"),
+         "camera_info file of the left camera");
+  option("right-info", po::value<std::string>()->value_name("YAML"),
+         "camera_info file of the right camera");
   option("rectified", po::value<std::vector<double>>()->multitoken()->value_name("FOCAL BASELINE"),
          "the images are rectified already: focal length in px and baseline in m");
   option("euroc", po::value<std::string>()->value_name("DIR"),
-         "folder of the EuRoC MAV dataset with cam0 and cam1; stamps are those of the files");
+         "folder of the EuRoC MAV dataset with cam0 and cam1; its file names are the stamps");
   option("rate", po::value<double>()->value_name("HZ")->default_value(10),
          "pairs per second [0.001 to 1000]; not with --euroc");
   option("start", po::value<double>()->value_name("SECONDS")->default_value(1000),
          "stamp of the first pair [1 to 4000000000]; not with --euroc");
   option("repeat", po::value<int>()->value_name("N")->default_value(1),
-         "write the whole sequence N times, one after the other [1 to 100000]");
+         "write the sequence N times in a row [1 to 100000]");
   option("scale", po::value<double>()->value_name("FACTOR")->default_value(1),
          "resize images and calibration [0.01 to 4]");
   add_camera_option(line.options);
   return line;
 }
 
-/// Throws UsageError unless the options name exactly one source with all that belongs to it.
+/// Throws UsageError unless the options name exactly one complete source.
 void require_one_source(const po::variables_map& options) {
   const auto given = [&](const char* name) {
     return options.count(name) != 0 && !options[name].defaulted();
@@ -63,14 +69,16 @@ void require_one_source(const po::variables_map& options) {
     for (const char* other :
          {"left", "right", "left-info", "right-info", "rectified", "rate", "start"}) {
       if (given(other)) {
-        throw UsageError(concat("--", other, " is not allowed together with --euroc, which has ",
-                                "images, calibration and stamps of its own"));
+        throw UsageError(fmt::format(
+            "--{} is not allowed together with --euroc, which has images, calibration and "
+            "stamps of its own",
+            other));
       }
     }
     return;
   }
   for (const char* side : {"left", "right"}) {
-    if (!given(side)) throw UsageError(concat("--", side, " (or --euroc) is missing"));
+    if (!given(side)) throw UsageError(fmt::format("--{} (or --euroc) is missing", side));
   }
   if (given("rectified")) {
     if (given("left-info") || given("right-info")) {
@@ -79,7 +87,7 @@ void require_one_source(const po::variables_map& options) {
     return;
   }
   for (const char* info : {"left-info", "right-info"}) {
-    if (!given(info)) throw UsageError(concat("--", info, " (or --rectified) is missing"));
+    if (!given(info)) throw UsageError(fmt::format("--{} (or --rectified) is missing", info));
   }
 }
 
@@ -92,8 +100,8 @@ StereoSource file_source(const po::variables_map& options) {
   if (options.count("rectified") != 0) {
     rectified = options["rectified"].as<std::vector<double>>();
     if (rectified.size() != 2) {
-      throw UsageError(
-          concat("--rectified has ", rectified.size(), " numbers: allowed 2, FOCAL and BASELINE"));
+      throw UsageError(fmt::format("--rectified has {} numbers: allowed 2, FOCAL and BASELINE",
+                                   rectified.size()));
     }
     require_range("--rectified FOCAL", rectified[0], 1, 1e6);
     require_range("--rectified BASELINE", rectified[1], 1e-6, 1e6);
@@ -111,19 +119,19 @@ StereoSource file_source(const po::variables_map& options) {
   return source;
 }
 
-/// An image of the size that its camera_info says.
+/// Reads an image. Throws unless it has the size in its camera_info.
 cv::Mat read_checked(const std::string& path, const sensor_msgs::CameraInfo& info) {
   cv::Mat image = read_image(path);
   if (image.cols != static_cast<int>(info.width) || image.rows != static_cast<int>(info.height)) {
-    throw std::runtime_error(concat(path, ": is ", image.cols, "x", image.rows,
-                                    ": its camera_info says ", info.width, "x", info.height));
+    throw std::runtime_error(fmt::format("{}: is {}x{}, but its camera_info says {}x{}", path,
+                                         image.cols, image.rows, info.width, info.height));
   }
   return image;
 }
 
 class BagWriter {
  public:
-  /// The bag has the suffix .active until it is complete, as with rosbag record.
+  /// Until the bag is complete, its name has the suffix .active, as with rosbag record.
   BagWriter(std::string path, std::string camera, double scale)
       : path_(std::move(path)),
         active_(path_ + ".active"),
@@ -133,11 +141,11 @@ class BagWriter {
     bag_.open(active_, rosbag::bagmode::Write);
   }
   ~BagWriter() {
-    if (complete_) return;
+    if (is_complete_) return;
     try {
       bag_.close();
     } catch (const std::exception&) {
-      // The bag is thrown away anyway.
+      // The bag is deleted anyway.
     }
     std::error_code ignored;
     fs::remove(active_, ignored);
@@ -153,7 +161,7 @@ class BagWriter {
   void finish() {
     bag_.close();
     fs::rename(active_, path_);
-    complete_ = true;
+    is_complete_ = true;
   }
 
  private:
@@ -166,7 +174,7 @@ class BagWriter {
       cv::resize(image, image, size, 0, 0, cv::INTER_AREA);
       resize(size, info);
     }
-    // One frame for both cameras: image_geometry demands it.
+    // image_geometry requires the same frame for both cameras.
     info.header.frame_id = frame_id_;
     info.header.seq = seq_;
     info.header.stamp.fromNSec(static_cast<std::uint64_t>(stamp_ns));
@@ -179,7 +187,7 @@ class BagWriter {
   double scale_;
   std::uint32_t seq_ = 0;
   rosbag::Bag bag_;
-  bool complete_ = false;
+  bool is_complete_ = false;
 };
 
 }  // namespace
@@ -211,7 +219,7 @@ void create_bag(const Arguments& arguments) {
     }
     bag.finish();
   } catch (const rosbag::BagException& e) {
-    throw std::runtime_error(concat(path, ": cannot be written: ", e.what()));
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, e.what()));
   }
 }
 

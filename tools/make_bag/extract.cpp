@@ -1,5 +1,6 @@
-// make_bag extract: bag -> image, calibration and disparity files.
+// make_bag extract: writes images, calibration and disparities of a bag to files.
 #include <cv_bridge/cv_bridge.h>
+#include <fmt/format.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/Image.h>
@@ -27,17 +28,22 @@ CommandLine command_line() {
   CommandLine line;
   line.usage =
       "Usage: make_bag extract IN.bag OUT_DIR [options]\n"
-      "Writes left/NNNNNN.png and right/NNNNNN.png, lossless, for every pair of images with the\n"
-      "same stamp on /CAMERA/left/image_raw and /CAMERA/right/image_raw, in order of their\n"
-      "stamps; left.yaml and right.yaml from camera_info; and disparity/NNNNNN.pfm (float, px,\n"
-      "inf = no disparity) from /CAMERA/disparity if the bag has it. Images without a partner\n"
-      "are named. A Bayer image is written as it is, in grey.\n";
+      "Writes left/NNNNNN.png and right/NNNNNN.png (lossless) for all pairs of images with equal\n"
+      "stamps on /CAMERA/left/image_raw and /CAMERA/right/image_raw, in the order of the stamps;\n"
+      "left.yaml and right.yaml from camera_info; and, if the bag has /CAMERA/disparity,\n"
+      "disparity/NNNNNN.pfm (float, px, inf = no disparity). Reports images without a partner. "
+      "Bayer\n"
+      "images are written without conversion, in grey.\n";
   line.positional = {"IN.bag", "OUT_DIR"};
   add_camera_option(line.options);
   return line;
 }
 
-/// Pixels as cv::imwrite wants them. Throws if that would lose something.
+std::string to_text(const ros::Time& stamp) {
+  return fmt::format("{}.{:09d}", stamp.sec, stamp.nsec);
+}
+
+/// Returns an image for cv::imwrite. Throws if the conversion would lose data.
 cv::Mat to_picture(const sensor_msgs::ImageConstPtr& message) {
   const std::string& encoding = message->encoding;
   const bool known = encoding == enc::TYPE_8UC1 || encoding == enc::TYPE_8UC3 ||
@@ -58,14 +64,14 @@ cv::Mat to_picture(const sensor_msgs::ImageConstPtr& message) {
 cv::Mat1f to_disparities(const stereo_msgs::DisparityImage& message) {
   const auto image = cv_bridge::toCvCopy(message.image, enc::TYPE_32FC1)->image;
   cv::Mat1f disparity = image;
-  // A value below min_disparity says that there is none.
+  // Values below min_disparity mark invalid pixels.
   for (float& value : disparity) {
     if (!(value >= message.min_disparity)) value = std::numeric_limits<float>::infinity();
   }
   return disparity;
 }
 
-/// One bag, one camera, one output folder.
+/// Extracts one camera of a bag to a folder.
 class Extraction {
  public:
   Extraction(std::string bag_path, std::string folder, const std::string& camera)
@@ -82,10 +88,10 @@ class Extraction {
     for (const ros::Time& stamp : left) {
       if (right.count(stamp) != 0) numbers_.emplace(stamp, numbers_.size());
     }
-    name_unpaired(left, "left/image_raw", "no right image");
-    name_unpaired(right, "right/image_raw", "no left image");
-    name_unpaired(disparities, "disparity", "no pair of images");
-    if (numbers_.empty()) throw std::runtime_error("no left and right image have the same stamp");
+    report_unpaired(left, "left/image_raw", "no right image");
+    report_unpaired(right, "right/image_raw", "no left image");
+    report_unpaired(disparities, "disparity", "no pair of images");
+    if (numbers_.empty()) throw std::runtime_error("no left and right image have equal stamps");
 
     for (const std::string side : {"left", "right"}) {
       write<sensor_msgs::Image>(topic(side + "/image_raw"), side, ".png",
@@ -108,9 +114,9 @@ class Extraction {
     for (const rosbag::MessageInstance& instance : view) {
       const auto message = instance.instantiate<Message>();
       if (message == nullptr) {
-        throw std::runtime_error(concat("topic ", name, " has messages of type ",
-                                        instance.getDataType(), ": allowed ",
-                                        ros::message_traits::DataType<Message>::value()));
+        throw std::runtime_error(fmt::format("topic {} has messages of type {}: allowed {}", name,
+                                             instance.getDataType(),
+                                             ros::message_traits::DataType<Message>::value()));
       }
       found.insert(message->header.stamp);
     }
@@ -123,16 +129,16 @@ class Extraction {
     for (const rosbag::ConnectionInfo* c : rosbag::View(bag_).getConnections()) {
       known.insert(c->topic);
     }
-    std::string text = "there is no message on " + topic(name) + "; the topics of the bag are:";
+    std::string text = fmt::format("the bag has no messages on {}; its topics are:", topic(name));
     for (const std::string& each : known) text += " " + each;
     throw std::runtime_error(text);
   }
 
-  void name_unpaired(const Stamps& found, const std::string& name, const std::string& why) {
+  void report_unpaired(const Stamps& found, const std::string& name, const std::string& missing) {
     for (const ros::Time& stamp : found) {
       if (numbers_.count(stamp) != 0) continue;
-      std::cerr << "make_bag: " << topic(name) << " of " << stamp << " is left out: " << why
-                << " has this stamp\n";
+      std::cerr << fmt::format("make_bag: {} of {} is skipped: {} has this stamp\n", topic(name),
+                               to_text(stamp), missing);
     }
   }
 
@@ -152,7 +158,8 @@ class Extraction {
       try {
         write_image(path.str(), convert(message));
       } catch (const cv_bridge::Exception& e) {
-        throw std::runtime_error(concat(name, " of ", message->header.stamp, ": ", e.what()));
+        throw std::runtime_error(
+            fmt::format("{} of {}: {}", name, to_text(message->header.stamp), e.what()));
       }
       progress.done(path.str());
     }
@@ -165,12 +172,14 @@ class Extraction {
       const auto info = instance.instantiate<sensor_msgs::CameraInfo>();
       if (info == nullptr) break;
       if (info->binning_x > 1 || info->binning_y > 1 || info->roi.width != 0) {
-        std::cerr << "make_bag: " << name << ": binning and region of interest have no place in "
-                  << side << ".yaml and are left out\n";
+        std::cerr << fmt::format(
+            "make_bag: {}: {}.yaml cannot hold binning and region of interest; they are lost\n",
+            name, side);
       }
       return write_camera_info(folder_ + "/" + side + ".yaml", side, *info);
     }
-    std::cerr << "make_bag: there is no camera_info on " << name << ": no " << side << ".yaml\n";
+    std::cerr << fmt::format("make_bag: the bag has no camera_info on {}: {}.yaml is not written\n",
+                             name, side);
   }
 
   std::string bag_path_, folder_, prefix_;
@@ -190,7 +199,7 @@ void extract_bag(const Arguments& arguments) {
   } catch (const UsageError&) {
     throw;
   } catch (const std::exception& e) {
-    throw std::runtime_error(concat(path, ": cannot be extracted: ", e.what()));
+    throw std::runtime_error(fmt::format("{}: cannot be extracted: {}", path, e.what()));
   }
 }
 

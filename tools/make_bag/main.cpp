@@ -1,4 +1,6 @@
-// make_bag: between image files and bags, and the calibration that a bag carries.
+// make_bag: converts between image files and bags, and calibrates stereo cameras.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iostream>
 #include <regex>
@@ -15,23 +17,27 @@ struct Mode {
 };
 
 constexpr Mode kModes[]{
-    {"create", "image files and a calibration to a bag", create_bag},
-    {"calibrate", "chessboard pairs to the camera_info files of a stereo camera", calibrate},
-    {"extract", "a bag back to image, calibration and disparity files", extract_bag},
+    {"create", "write image files and a calibration to a bag", create_bag},
+    {"calibrate", "calibrate a stereo camera from chessboard pairs", calibrate},
+    {"extract", "write images, calibration and disparities of a bag to files", extract_bag},
 };
 
 void print_help() {
-  std::cout << "Usage: make_bag MODE ...\nModes, each with its own --help:\n";
+  std::cout
+      << "Usage: make_bag MODE ...\n       make_bag --version\nModes, each with its own --help:\n";
   for (const Mode& mode : kModes) std::cout << "  " << mode.name << ": " << mode.about << "\n";
 }
 
 void make_bag(const Arguments& arguments) {
-  if (arguments.empty()) throw UsageError("a mode is missing: allowed create, calibrate, extract");
+  if (arguments.empty())
+    throw UsageError("a mode is missing: allowed are create, calibrate, extract");
   if (arguments[0] == "--help") return print_help();
+  if (arguments[0] == "--version") return print_version();
   const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
                                  [&](const Mode& m) { return m.name == arguments[0]; });
   if (mode == std::end(kModes)) {
-    throw UsageError(concat("mode \"", arguments[0], "\": allowed create, calibrate, extract"));
+    throw UsageError(
+        fmt::format("unknown mode \"{}\": allowed are create, calibrate, extract", arguments[0]));
   }
   mode->run(Arguments(arguments.begin() + 1, arguments.end()));
 }
@@ -42,7 +48,7 @@ void add_camera_option(boost::program_options::options_description& options) {
   options.add_options()(
       "camera",
       boost::program_options::value<std::string>()->value_name("NAME")->default_value("stereo"),
-      "the topics are /NAME/left/image_raw and so on");
+      "namespace of the topics: /NAME/left/image_raw and so on");
 }
 
 std::string camera_name(const boost::program_options::variables_map& options) {
@@ -50,8 +56,8 @@ std::string camera_name(const boost::program_options::variables_map& options) {
   const std::string given = options["camera"].as<std::string>();
   std::smatch match;
   if (std::regex_match(given, match, allowed)) return match[1];
-  throw UsageError(concat("--camera \"", given, "\": allowed is a ROS name: a letter, then ",
-                          "letters, digits, _ and /"));
+  throw UsageError(fmt::format(
+      "--camera \"{}\": allowed is a ROS name: a letter, then letters, digits, _ and /", given));
 }
 
 }  // namespace fpga_stereo::tools

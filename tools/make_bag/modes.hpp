@@ -1,4 +1,5 @@
-// The modes of make_bag. Each takes the arguments after its name and throws as run_program wants.
+// The modes of make_bag. Each takes the arguments after its name and throws exceptions that
+// run_program() reports.
 #pragma once
 
 #include "support/program.hpp"
@@ -9,7 +10,8 @@ void create_bag(const Arguments& arguments);
 void calibrate(const Arguments& arguments);
 void extract_bag(const Arguments& arguments);
 
-/// --camera: the name in front of the topics, and it checked, without slashes around it.
+/// Adds the option --camera, and returns its value without leading and trailing slashes. Throws
+/// UsageError for an invalid ROS name.
 void add_camera_option(boost::program_options::options_description& options);
 std::string camera_name(const boost::program_options::variables_map& options);
 

@@ -1,5 +1,7 @@
 #include "make_bag/sources.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -24,7 +26,7 @@ struct Sensor {
   cv::Matx44d body_from_sensor;  // T_BS, metres
 };
 
-/// The numbers of a list in YAML, which must be `count`.
+/// Returns the numbers of a YAML list. Throws unless there are `count`.
 std::vector<double> numbers(const std::string& path, const cv::FileNode& node,
                             const std::string& name, std::size_t count) {
   std::vector<double> values;
@@ -33,7 +35,7 @@ std::vector<double> numbers(const std::string& path, const cv::FileNode& node,
   }
   if (values.size() != count) {
     throw std::runtime_error(
-        concat(path, ": ", name, " has ", values.size(), " numbers: allowed ", count));
+        fmt::format("{}: {} has {} numbers: allowed {}", path, name, values.size(), count));
   }
   return values;
 }
@@ -43,20 +45,20 @@ void require_text(const std::string& path, const cv::FileStorage& file, const st
   const std::string value = file[name].isString() ? file[name].string() : "";
   if (std::find(allowed.begin(), allowed.end(), value) != allowed.end()) return;
   throw std::runtime_error(
-      concat(path, ": ", name, " is \"", value, "\": allowed \"", allowed[0], "\""));
+      fmt::format("{}: {} is \"{}\": allowed is \"{}\"", path, name, value, allowed[0]));
 }
 
 Sensor read_sensor(const std::string& path) {
   std::ifstream stream(path);
   if (!stream) throw std::runtime_error(path + ": cannot be read");
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  // Without this first line, which the dataset's own files lack, OpenCV does not read YAML.
+  // OpenCV requires this first line, which the files of the dataset lack.
   if (text.rfind("%YAML", 0) != 0) text.insert(0, "%YAML:1.0\n---\n");
   cv::FileStorage file;
   try {
     file.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
   } catch (const cv::Exception& e) {
-    throw std::runtime_error(concat(path, ": is no YAML that can be read: ", e.err));
+    throw std::runtime_error(fmt::format("{}: is not valid YAML: {}", path, e.err));
   }
   require_text(path, file, "camera_model", {"pinhole"});
   require_text(path, file, "distortion_model", {"radial-tangential", "radtan"});
@@ -71,28 +73,28 @@ Sensor read_sensor(const std::string& path) {
   return sensor;
 }
 
-/// The images of one camera by time.
+/// Returns the images of one camera by time.
 std::map<std::int64_t, std::string> list_by_time(const fs::path& folder) {
   std::map<std::int64_t, std::string> images;
   for (const std::string& path : list_images("--euroc", {folder.string()})) {
     const std::string stem = fs::path(path).stem().string();
     const bool digits =
         std::all_of(stem.begin(), stem.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-    // 18 digits fit for certain; 19 do until the year 2262.
+    // 19 digits fit into 64 bits until the year 2262.
     if (!digits || stem.size() > 19) {
-      throw std::runtime_error(path + ": its name must be its time in nanoseconds");
+      throw std::runtime_error(path + ": the file name must be the time in nanoseconds");
     }
     images[std::stoll(stem)] = path;
   }
   return images;
 }
 
-void name_unpaired(const std::map<std::int64_t, std::string>& images,
-                   const std::map<std::int64_t, std::string>& others, const char* other_camera) {
+void report_unpaired(const std::map<std::int64_t, std::string>& images,
+                     const std::map<std::int64_t, std::string>& others, const char* other_camera) {
   for (const auto& [stamp, path] : images) {
     if (others.count(stamp) != 0) continue;
-    std::cerr << "make_bag: " << path << " is left out: " << other_camera
-              << " has no image of that time\n";
+    std::cerr << fmt::format("make_bag: {} is skipped: {} has no image of this time\n", path,
+                             other_camera);
   }
 }
 
@@ -101,8 +103,9 @@ void name_unpaired(const std::map<std::int64_t, std::string>& images,
 StereoSource pair_files(const std::vector<std::string>& left, const std::vector<std::string>& right,
                         double rate, double start) {
   if (left.size() != right.size()) {
-    throw std::runtime_error(concat("--left gives ", left.size(), " images and --right ",
-                                    right.size(), ": the numbers must be equal"));
+    throw std::runtime_error(
+        fmt::format("--left gives {} images and --right {}: the numbers must be equal", left.size(),
+                    right.size()));
   }
   const auto stamp = [&](std::size_t i) {
     return std::llround(start * kNsPerSecond) +
@@ -121,12 +124,13 @@ StereoSource read_euroc(const std::string& folder) {
   const Sensor left = read_sensor((at / "cam0" / "sensor.yaml").string());
   const Sensor right = read_sensor((at / "cam1" / "sensor.yaml").string());
   if (left.size != right.size) {
-    throw std::runtime_error(folder + ": resolution differs between cam0 and cam1 sensor.yaml");
+    throw std::runtime_error(folder +
+                             ": the resolutions in cam0/sensor.yaml and cam1/sensor.yaml differ");
   }
   const auto left_images = list_by_time(at / "cam0" / "data");
   const auto right_images = list_by_time(at / "cam1" / "data");
-  name_unpaired(left_images, right_images, "cam1");
-  name_unpaired(right_images, left_images, "cam0");
+  report_unpaired(left_images, right_images, "cam1");
+  report_unpaired(right_images, left_images, "cam0");
 
   StereoSource source;
   for (const auto& [stamp, path] : left_images) {

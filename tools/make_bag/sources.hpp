@@ -1,4 +1,4 @@
-// Where the stereo pairs of a bag come from.
+// Sources of the stereo pairs of a bag.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,20 @@ struct FramePaths {
 };
 
 struct StereoSource {
-  std::vector<FramePaths> frames;  // in order of time, at least one
-  std::int64_t duration_ns = 0;    // from the first frame to the first one of a repetition
+  std::vector<FramePaths> frames;  // by ascending stamp, at least one
+  std::int64_t duration_ns = 0;    // period of a repetition
   StereoInfo info;
 };
 
-/// Pairs the n-th left with the n-th right image, `rate` pairs per second from `start` seconds on.
-/// The calibration is not filled in. Throws std::runtime_error if the numbers differ.
+/// Pairs the n-th left with the n-th right image. The first stamp is `start` s; `rate` is in pairs
+/// per second. Leaves the calibration empty. Throws std::runtime_error if the numbers of images
+/// differ.
 StereoSource pair_files(const std::vector<std::string>& left, const std::vector<std::string>& right,
                         double rate, double start);
 
-/// A folder of the EuRoC MAV dataset (M. Burri et al., IJRR 35, 2016): cam0 and cam1, each with
-/// sensor.yaml and data/<time in ns>.png. Pairs that lack one side are named and left out. Throws
-/// std::runtime_error that names what cannot be used.
+/// Reads a folder of the EuRoC MAV dataset (M. Burri et al., IJRR 35, 2016): cam0 and cam1, each
+/// with sensor.yaml and data/<time in ns>.png. Reports images without a partner on stderr and skips
+/// them. Throws std::runtime_error with the file that cannot be used.
 StereoSource read_euroc(const std::string& folder);
 
 }  // namespace fpga_stereo::tools

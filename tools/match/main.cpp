@@ -1,4 +1,4 @@
-// match LEFT RIGHT OUT: the disparity of one pair of image files.
+// match LEFT RIGHT OUT: computes the disparity of a pair of image files.
 #include <iomanip>
 #include <iostream>
 
@@ -17,7 +17,7 @@ CommandLine command_line() {
   CommandLine line = job_command_line("match", "Computes the disparity of a stereo pair.\n");
   add_threads_option(line.options);
   line.options.add_options()("verbose", po::bool_switch(),
-                             "print times and what rectification needs, on stderr");
+                             "print times, and the quality and needs of rectification, to stderr");
   line.options.add(parameter_options());
   return line;
 }
@@ -41,13 +41,13 @@ void match(const Arguments& arguments) {
   const StereoJob job = read_job(*parsed);
 
   Pipeline pipeline;
-  const DisparityFrame& made =
+  const DisparityFrame& frame =
       pipeline.process(job.left, job.right, job.rectification, job.parameters, num_threads);
-  write_result(job, made.disparity);
+  write_result(job, frame.disparity);
   if (parsed->options["verbose"].as<bool>()) {
     print_rectification(job.rectification);
     std::cerr << "computed with " << target() << "\n";
-    print_times(made.ms);
+    print_times(frame.ms);
   }
 }
 

@@ -1,4 +1,6 @@
-// simulate LEFT RIGHT OUT: the same as match, computed by the simulated gateware.
+// simulate LEFT RIGHT OUT: computes the same as match, in the simulated gateware.
+#include <fmt/format.h>
+
 #include <chrono>
 #include <iomanip>
 #include <iostream>
@@ -16,28 +18,32 @@ namespace {
 namespace po = boost::program_options;
 
 CommandLine command_line() {
-  CommandLine line = job_command_line(
-      "simulate",
-      "Computes the disparity of a stereo pair as match does, but in the simulated gateware,\n"
-      "clock by clock. The gateware is built for the parameters at their first use, which takes\n"
-      "a minute or two and needs verilator; it is kept in the folder --models.\n");
-  line.options.add_options()("vcd", po::value<std::string>()->value_name("FILE"),
-                             "write every signal of the gateware, for gtkwave; much data");
-  line.options.add_options()("cycles", po::bool_switch(),
-                             "send the pair three times and print latency, clocks per frame, speed "
-                             "and what of the build is used");
+  CommandLine line =
+      job_command_line("simulate",
+                       "Computes the disparity of a stereo pair like match, but in the simulated "
+                       "gateware, clock by\n"
+                       "clock. The first use of a set of parameters builds a gateware for them: "
+                       "this takes a minute\n"
+                       "or two and needs verilator. The result is kept in the folder --models.\n");
+  line.options.add_options()(
+      "vcd", po::value<std::string>()->value_name("FILE"),
+      "write all signals of the gateware to a VCD file, for gtkwave; the file is large");
+  line.options.add_options()(
+      "cycles", po::bool_switch(),
+      "send the pair three times; print latency, clocks per frame, simulation "
+      "speed and the use of line buffer and mesh memory");
   line.options.add_options()("models", po::value<std::string>()->value_name("DIR"),
-                             "folder of built gateware [default ~/.cache/fpga_stereo, or in "
-                             "XDG_CACHE_HOME]");
+                             "folder of built gateware [default $XDG_CACHE_HOME/fpga_stereo or "
+                             "~/.cache/fpga_stereo]");
   line.options.add_options()(
       "line-rows", po::value<int>()->value_name("N"),
-      concat("rows of the line buffer of rectify [4 to 254 in steps of 2; default ",
-             default_line_rows(0), ", wider than 640 px ", default_line_rows(kGatewareMaxWidth),
-             "]")
+      fmt::format("rows of the line buffer of rectify [4 to 254 in steps of 2; default {}, wider "
+                  "than 640 px {}]",
+                  default_line_rows(0), default_line_rows(kGatewareMaxWidth))
           .c_str());
   add_threads_option(line.options);
   line.options.add_options()("verbose", po::bool_switch(),
-                             "print what rectification needs, on stderr");
+                             "print the quality and needs of rectification to stderr");
   line.options.add(parameter_options());
   return line;
 }
@@ -46,7 +52,7 @@ int line_rows(const po::variables_map& options) {
   if (options.count("line-rows") == 0) return 0;
   const int rows = options["line-rows"].as<int>();
   if (rows < 4 || rows > 254 || rows % 2 != 0) {
-    throw UsageError(concat("--line-rows = ", rows, ": allowed 4 to 254 in steps of 2"));
+    throw UsageError(fmt::format("--line-rows = {}: allowed 4 to 254 in steps of 2", rows));
   }
   return rows;
 }
@@ -60,16 +66,17 @@ Run run(sim::Gateware& gateware, const StereoJob& job, int copies) {
   const std::vector<sim::GreyPair> frames(copies, {job.left, job.right});
   const std::int64_t clocks = gateware.clocks();
   const auto start = std::chrono::steady_clock::now();
-  const auto made = gateware.process(frames);
+  const auto results = gateware.process(frames);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-  require(made);
-  for (const sim::Frame& frame : *made) {
+  require(results);
+  for (const sim::Frame& frame : *results) {
     if (frame.bad) {
-      throw std::runtime_error(concat("the gateware says that its result is not to be used: ",
-                                      "register ERRORS is ", gateware.read(spec::kRegErrors)));
+      throw std::runtime_error(
+          fmt::format("the gateware marks its result as invalid: register ERRORS is {}",
+                      gateware.read(spec::kRegErrors)));
     }
   }
-  return {*made, static_cast<double>(gateware.clocks() - clocks) / time.count()};
+  return {*results, static_cast<double>(gateware.clocks() - clocks) / time.count()};
 }
 
 void print_cycles(const Run& run, const GatewareBuild& build, const StereoJob& job) {
@@ -90,7 +97,7 @@ void print_cycles(const Run& run, const GatewareBuild& build, const StereoJob& j
   line("build") << "width " << build.max_width << ", " << build.disparities << " disparities, "
                 << to_text(build.census_pattern) << " census " << build.census_window
                 << ", correlation " << build.correlation_window << "\n";
-  const auto kbit = [](int bits) { return concat(bits / 1024, " kbit"); };
+  const auto kbit = [](int bits) { return fmt::format("{} kbit", bits / 1024); };
   constexpr int kCameras = 2, kBanks = 2, kCoordinates = 2;
   line("line buffer") << fpga_stereo::line_rows(job.rectification) << " of " << build.line_rows
                       << " rows needed; "
@@ -115,12 +122,12 @@ void simulate(const Arguments& arguments) {
   const GatewareBuild build = smallest_build(job, rows);
   require(check_build(build, job.parameters, job.rectification));
   create_folder(folder);
-  auto opened = sim::Gateware::open(model(build, !vcd.empty(), folder, num_threads));
+  auto opened = sim::Gateware::open(require_model(build, !vcd.empty(), folder, num_threads));
   require(opened);
   sim::Gateware gateware = std::move(*opened);
   if (!vcd.empty()) require(gateware.open_trace(vcd));
   require(gateware.apply(job.parameters, job.rectification));
-  constexpr int kCopies = 3;  // until frames follow each other as they always will
+  constexpr int kCopies = 3;  // until the interval between frames is steady
   const Run made = run(gateware, job, cycles ? kCopies : 1);
   write_result(job, made.frames.front().disparity);
   if (cycles) print_cycles(made, gateware.build(), job);

@@ -14,7 +14,7 @@
 namespace fpga_stereo::tools {
 namespace {
 
-/// The environment with `added`, which replaces what has the same name.
+/// Returns the environment with `added`, which replaces variables of the same name.
 std::vector<std::string> environment_with(const std::vector<std::string>& added) {
   std::vector<std::string> all = added;
   const auto name = [](const std::string& entry) { return entry.substr(0, entry.find('=')); };
@@ -39,7 +39,7 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
 Child::Child(const std::vector<std::string>& command, const std::vector<std::string>& environment,
              const std::string& missing) {
   const std::vector<std::string> variables = environment_with(environment);
-  // What this program does with signals is not for the child.
+  // The child must not inherit ignored or handled signals.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t defaults;
@@ -54,7 +54,7 @@ Child::Child(const std::vector<std::string>& command, const std::vector<std::str
   posix_spawnattr_destroy(&attributes);
   if (error == ENOENT) throw std::runtime_error(missing);
   if (error != 0) {
-    throw std::runtime_error(command[0] + " cannot be started: " + std::strerror(error));
+    throw std::runtime_error(command[0] + ": cannot be started: " + std::strerror(error));
   }
 }
 

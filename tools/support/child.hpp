@@ -1,4 +1,4 @@
-// Another program, started without a shell.
+// Runs another program without a shell.
 #pragma once
 
 #include <sys/types.h>
@@ -11,17 +11,18 @@ namespace fpga_stereo::tools {
 
 class Child {
  public:
-  /// Starts `command` (found by PATH), with these "NAME=VALUE" besides the environment. Throws
-  /// std::runtime_error; `missing` is the message where there is no such program.
+  /// Starts `command`, found in PATH, with additional environment variables ("NAME=VALUE"). Throws
+  /// std::runtime_error, with the message `missing` if the program does not exist.
   Child(const std::vector<std::string>& command, const std::vector<std::string>& environment,
         const std::string& missing);
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
-  /// Ends it: asks first, forces after five seconds.
+  /// Terminates the program: SIGTERM, then SIGKILL after five seconds.
   ~Child();
 
-  /// Exit code (128 + signal) once it has ended.
+  /// Returns the exit code, or 128 + signal; nullopt while the program runs.
   std::optional<int> exit_code();
+  /// Blocks until the program has ended. Returns its exit code.
   int wait();
   void send_signal(int signal) const;
 

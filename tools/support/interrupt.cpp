@@ -14,7 +14,7 @@ void note_signal(int) { caught = 1; }
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = note_signal;
-  // Not restarted: what waits ends at once. And the second signal meets the default.
+  // Without SA_RESTART, blocking calls end at once. The second signal has its default effect.
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);

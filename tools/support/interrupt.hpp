@@ -1,10 +1,9 @@
-// Ctrl-C, and what a service manager sends, end the work, not the program: it still says what it
-// has done.
+// On Ctrl-C or SIGTERM, a program ends its work and still prints its results.
 #pragma once
 
 namespace fpga_stereo::tools {
 
-/// From now on SIGINT and SIGTERM only make interrupted() true; a second one ends the program.
+/// From now on, the first SIGINT or SIGTERM makes interrupted() true; the second ends the program.
 void catch_interrupts();
 bool interrupted();
 

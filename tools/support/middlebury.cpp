@@ -1,5 +1,7 @@
 #include "support/middlebury.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -13,7 +15,7 @@ namespace {
 
 constexpr int kEvaluated = 255;
 
-/// More than 1.0 px off, in exact integers.
+/// Returns whether the error is above 1.0 px, computed in exact integers.
 bool is_bad(std::uint16_t disparity, int min_disparity, std::uint8_t truth, int truth_scale) {
   const int units = disparity + kDisparityScale * min_disparity;
   return std::abs(units * truth_scale - kDisparityScale * truth) > kDisparityScale * truth_scale;
@@ -25,8 +27,8 @@ double percent(std::int64_t part, std::int64_t whole) {
 
 void require_size(const std::string& path, const cv::Mat1b& image, cv::Size expected) {
   if (image.size() == expected) return;
-  throw std::runtime_error(concat(path, ": is ", image.cols, "x", image.rows, ": imL.png is ",
-                                  expected.width, "x", expected.height));
+  throw std::runtime_error(fmt::format("{}: is {}x{}: imL.png is {}x{}", path, image.cols,
+                                       image.rows, expected.width, expected.height));
 }
 
 }  // namespace
@@ -35,9 +37,10 @@ MiddleburyPair read_pair(const std::string& folder, const MiddleburyScene& scene
   namespace fs = std::filesystem;
   const fs::path at = fs::path(folder) / scene.name;
   if (!fs::is_directory(at)) {
-    throw std::runtime_error(concat(at.string(),
-                                    ": there is no such folder; a Middlebury v2 "
-                                    "folder holds tsukuba, venus, teddy and cones"));
+    throw std::runtime_error(
+        fmt::format("{}: there is no such folder; a Middlebury v2 folder holds tsukuba, venus, "
+                    "teddy and cones",
+                    at.string()));
   }
   MiddleburyPair pair;
   pair.scene = scene;
@@ -78,7 +81,7 @@ Score score(const MiddleburyPair& pair, Region region, const cv::Mat1w& disparit
 
 cv::Mat1b error_picture(const MiddleburyPair& pair, Region region, const cv::Mat1w& disparity,
                         int min_disparity, bool holes_count) {
-  constexpr std::uint8_t kRight = 0, kNotEvaluated = 128, kBad = 255;
+  constexpr std::uint8_t kCorrect = 0, kNotEvaluated = 128, kBad = 255;
   const cv::Mat1b& mask = pair.masks[region];
   cv::Mat1b picture(mask.size(), kNotEvaluated);
   for (int y = 0; y < mask.rows; ++y) {
@@ -87,7 +90,7 @@ cv::Mat1b error_picture(const MiddleburyPair& pair, Region region, const cv::Mat
       const bool hole = d == kNoDisparity;
       if (mask(y, x) != kEvaluated || (hole && !holes_count)) continue;
       const bool bad = hole || is_bad(d, min_disparity, pair.truth(y, x), pair.scene.truth_scale);
-      picture(y, x) = bad ? kBad : kRight;
+      picture(y, x) = bad ? kBad : kCorrect;
     }
   }
   return picture;
@@ -96,7 +99,7 @@ cv::Mat1b error_picture(const MiddleburyPair& pair, Region region, const cv::Mat
 cv::Mat1w fill_holes(const cv::Mat1w& disparity) {
   cv::Mat1w filled = disparity.clone();
   for (int y = 0; y < filled.rows; ++y) {
-    // kNoDisparity is the largest value, so the smaller one is the one that exists.
+    // kNoDisparity is the largest value, so min() prefers a disparity.
     static_assert(kNoDisparity == 0xFFFF);
     std::uint16_t nearest = kNoDisparity;
     for (int x = 0; x < filled.cols; ++x) {

@@ -1,5 +1,6 @@
 #include "support/models.hpp"
 
+#include <fmt/format.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -13,11 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Image sizes that gateware is built for: its width is the largest, its height sets the memory for
-/// meshes.
+/// Image sizes that a gateware is built for. The width is the maximum; the height determines the
+/// size of the mesh memory.
 const std::array<cv::Size, 3> kSizes{{{640, 480}, {752, 480}, {kGatewareMaxWidth, 720}}};
 
-/// Where the package is installed it lies beside the programs, else in the source tree.
+/// Returns the path of build_model: in the install prefix if the package is installed, else in the
+/// source tree.
 std::string build_model_path() {
   const fs::path prefix =
       fs::read_symlink("/proc/self/exe").parent_path().parent_path().parent_path();
@@ -26,19 +28,23 @@ std::string build_model_path() {
   for (const fs::path& path : {installed, source}) {
     if (fs::exists(path)) return path.string();
   }
-  throw std::runtime_error(concat("build_model is neither ", installed, " nor ", source));
+  throw std::runtime_error(fmt::format("build_model is missing: neither {} nor {} exists",
+                                       installed.string(), source.string()));
 }
 
-/// The numbers that build_model takes of a pipeline.
+/// Returns the pipeline parameters as build_model takes them.
 std::string numbers(const GatewareBuild& build) {
   const int full = build.census_pattern == CensusPattern::kFull ? 1 : 0;
-  return concat(build.max_width, " ", build.disparities, " ", build.census_window, " ",
-                build.correlation_window, " ", full, " ", build.line_rows, " ", build.mesh_nodes);
+  return fmt::format("{} {} {} {} {} {} {}", build.max_width, build.disparities,
+                     build.census_window, build.correlation_window, full, build.line_rows,
+                     build.mesh_nodes);
 }
 
-std::string built(const std::string& arguments, const std::string& folder, int jobs) {
-  const std::string command = concat(shell_quoted(build_model_path()), " ", arguments, " --jobs ",
-                                     jobs, " ", shell_quoted(fs::absolute(folder).string()));
+/// Runs build_model. Returns the path of the model.
+std::string build(const std::string& arguments, const std::string& folder, int jobs) {
+  const std::string command =
+      fmt::format("{} {} --jobs {} {}", shell_quoted(build_model_path()), arguments, jobs,
+                  shell_quoted(fs::absolute(folder).string()));
   FILE* output = popen(command.c_str(), "r");
   if (output == nullptr) throw std::runtime_error(command + ": cannot be run");
   std::string path;
@@ -47,7 +53,7 @@ std::string built(const std::string& arguments, const std::string& folder, int j
   }
   const int status = pclose(output);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw std::runtime_error(concat(folder, ": the simulated gateware cannot be built there"));
+    throw std::runtime_error(fmt::format("the simulated gateware cannot be built in {}", folder));
   }
   return path;
 }
@@ -59,7 +65,7 @@ int default_line_rows(int max_width) {
 }
 
 GatewareBuild smallest_build(const StereoJob& job, int line_rows) {
-  constexpr int kNodesStep = 1024;  // as many lie in a block RAM
+  constexpr int kNodesStep = 1024;  // capacity of a block RAM
   const cv::Size size = job.rectification.geometry.image_size;
   const auto fits = [&](cv::Size built) { return size.width <= built.width; };
   const auto found = std::find_if(kSizes.begin(), kSizes.end(), fits);
@@ -78,19 +84,20 @@ GatewareBuild smallest_build(const StereoJob& job, int line_rows) {
 
 std::string default_models_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
-  if (cache != nullptr && *cache != '\0') return concat(cache, "/fpga_stereo");
+  if (cache != nullptr && *cache != '\0') return fmt::format("{}/fpga_stereo", cache);
   const char* home = std::getenv("HOME");
-  if (home != nullptr && *home != '\0') return concat(home, "/.cache/fpga_stereo");
+  if (home != nullptr && *home != '\0') return fmt::format("{}/.cache/fpga_stereo", home);
   throw UsageError("--models is missing, and neither XDG_CACHE_HOME nor HOME is set");
 }
 
-std::string model(const GatewareBuild& build, bool trace, const std::string& folder, int jobs) {
-  return built(concat(numbers(build), trace ? " --trace" : ""), folder, jobs);
+std::string require_model(const GatewareBuild& build, bool trace, const std::string& folder,
+                          int jobs) {
+  return build(fmt::format("{}{}", numbers(build), trace ? " --trace" : ""), folder, jobs);
 }
 
-std::string system_model(const SystemBuild& build, const std::string& folder, int jobs) {
-  return built(concat(numbers(build.gateware), " ", build.clock_hz, " ", build.streams, " ",
-                      build.ring_rows),
+std::string require_system_model(const SystemBuild& build, const std::string& folder, int jobs) {
+  return build(fmt::format("{} {} {} {}", numbers(build.gateware), build.clock_hz, build.streams,
+                           build.ring_rows),
                folder, jobs);
 }
 

@@ -1,4 +1,4 @@
-// Which simulated gateware a pair of images needs, and where it comes from.
+// Chooses and builds the simulated gateware for a pair of images.
 #pragma once
 
 #include <string>
@@ -8,26 +8,29 @@
 
 namespace fpga_stereo::tools {
 
-/// Rows of the line buffer that a build of this width has unless another number is asked for.
+/// Returns the default number of line buffer rows for a build of this width.
 int default_line_rows(int max_width);
 
-/// The smallest build for a job. `line_rows` 0: the default.
+/// Returns the smallest build for a job. `line_rows` 0 means the default.
 GatewareBuild smallest_build(const StereoJob& job, int line_rows);
 
-/// Folder for models: ~/.cache/fpga_stereo, or in XDG_CACHE_HOME.
+/// Returns the default folder for models: $XDG_CACHE_HOME/fpga_stereo or ~/.cache/fpga_stereo.
+/// Throws UsageError if neither XDG_CACHE_HOME nor HOME is set.
 std::string default_models_folder();
 
-/// Path of the model of a build in `folder`. It is built first where it is not there, by `jobs`
-/// compilers at once; fpga_fw/sim/gateware/build_model says so on stderr.
-std::string model(const GatewareBuild& build, bool trace, const std::string& folder, int jobs);
+/// Returns the path of the model of fs_top for this build in `folder`. If necessary, builds the
+/// model first with `jobs` parallel compilers; build_model reports this on stderr.
+std::string require_model(const GatewareBuild& build, bool trace, const std::string& folder,
+                          int jobs);
 
-/// The same of a whole board, with its link: fs_system.
+/// Build parameters of a whole board with its link: fs_system.
 struct SystemBuild {
   GatewareBuild gateware;
-  int clock_hz = 0;   // of its clock
+  int clock_hz = 0;
   int streams = 126;  // bit s: stream s
-  int ring_rows = 4;  // rows of an image that wait for the line
+  int ring_rows = 4;  // capacity of the buffer for rectified images, rows
 };
-std::string system_model(const SystemBuild& build, const std::string& folder, int jobs);
+/// Returns the path of the model of fs_system, built if necessary.
+std::string require_system_model(const SystemBuild& build, const std::string& folder, int jobs);
 
 }  // namespace fpga_stereo::tools

@@ -1,5 +1,7 @@
 #include "support/parameter_options.hpp"
 
+#include <fmt/format.h>
+
 #include "support/program.hpp"
 
 namespace fpga_stereo::tools {
@@ -11,8 +13,8 @@ po::options_description parameter_options() {
   const Parameters defaults;
   for (const ParameterInfo& info : parameter_table()) {
     const std::string unit = info.unit.empty() ? "" : " " + info.unit;
-    const std::string about = concat(info.about, " [", allowed_values(info), unit, "; default ",
-                                     to_text(defaults, info), "]");
+    const std::string about = fmt::format("{} [{}{}; default {}]", info.about, allowed_values(info),
+                                          unit, to_text(defaults, info));
     options.add_options()(info.name.c_str(), po::value<std::string>()->value_name("value"),
                           about.c_str());
   }

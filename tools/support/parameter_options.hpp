@@ -1,4 +1,4 @@
-// The parameters of the pipeline as options of the command line, made from the parameter table.
+// Command-line options for the parameters of the pipeline, generated from the parameter table.
 #pragma once
 
 #include <boost/program_options.hpp>
@@ -7,11 +7,11 @@
 
 namespace fpga_stereo::tools {
 
-/// One option per row of parameter_table(): unit, range and default in the help.
+/// Returns one option per row of parameter_table(), with unit, range and default in the help.
 boost::program_options::options_description parameter_options();
 
-/// `defaults` with what was given on the command line. Throws UsageError with name, value and
-/// range.
+/// Returns `defaults` with the values given on the command line. Throws UsageError with name, value
+/// and range.
 Parameters parameters_from(const boost::program_options::variables_map& options,
                            Parameters defaults = {});
 

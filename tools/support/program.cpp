@@ -1,9 +1,12 @@
 #include "support/program.hpp"
 
+#include <fmt/format.h>
+
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 
 #include "fpga_stereo/core/target.hpp"
+#include "fpga_stereo/version.hpp"
 
 namespace fpga_stereo::tools {
 
@@ -37,14 +40,14 @@ int run_program(const std::string& name, int argc, char** argv,
 std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments) {
   constexpr const char* kPositional = "positional-arguments";
   po::options_description visible = line.options;
-  visible.add_options()("help", "print this and exit");
+  visible.add_options()("help", "print this help and exit")("version", "print versions and exit");
   po::options_description all;
   all.add(visible).add_options()(kPositional, po::value<std::vector<std::string>>());
   po::positional_options_description positions;
   positions.add(kPositional, -1);
 
   Parsed parsed;
-  // No guessing: an abbreviation would change its meaning when an option is added.
+  // No abbreviations: their meaning would change when an option is added.
   const int style = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
   try {
     po::store(
@@ -52,6 +55,10 @@ std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments)
         parsed.options);
     if (parsed.options.count("help") != 0) {
       std::cout << line.usage << "\n" << visible << line.notes;
+      return std::nullopt;
+    }
+    if (parsed.options.count("version") != 0) {
+      print_version();
       return std::nullopt;
     }
     po::notify(parsed.options);
@@ -62,19 +69,25 @@ std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments)
     parsed.positional = parsed.options[kPositional].as<std::vector<std::string>>();
   }
   if (parsed.positional.size() < line.positional.size()) {
-    throw UsageError(concat(line.positional[parsed.positional.size()], " is missing"));
+    throw UsageError(fmt::format("{} is missing", line.positional[parsed.positional.size()]));
   }
   if (line.rest.empty() && parsed.positional.size() > line.positional.size()) {
-    throw UsageError(concat("argument \"", parsed.positional[line.positional.size()],
-                            "\" is one too many: allowed ", line.positional.size()));
+    throw UsageError(fmt::format("argument \"{}\" is one too many: {} are allowed",
+                                 parsed.positional[line.positional.size()],
+                                 line.positional.size()));
   }
   return parsed;
+}
+
+void print_version() {
+  std::cout << fmt::format("fpga_stereo {}, link protocol {}, gateware {}.{}\n", kPackageVersion,
+                           kProtocolVersion, kGatewareVersionMajor, kGatewareVersionMinor);
 }
 
 void add_threads_option(po::options_description& options) {
   options.add_options()("threads",
                         po::value<int>()->value_name("N")->default_value(cv::getNumberOfCPUs()),
-                        "threads at work [1 to 256]; the result does not depend on it");
+                        "number of threads [1 to 256]; the result does not depend on it");
 }
 
 int threads(const po::variables_map& options) {
@@ -85,7 +98,7 @@ int threads(const po::variables_map& options) {
 
 void require_range(const std::string& option, double value, double min, double max) {
   if (value >= min && value <= max) return;  // false for NaN
-  throw UsageError(concat(option, " = ", value, ": allowed ", min, " to ", max));
+  throw UsageError(fmt::format("{} = {:g}: allowed {:g} to {:g}", option, value, min, max));
 }
 
 Progress::Progress(std::string program, std::size_t total)
@@ -96,7 +109,7 @@ void Progress::done(const std::string& item) {
   const auto now = std::chrono::steady_clock::now();
   if (now - last_ < std::chrono::seconds(1)) return;
   last_ = now;
-  std::cerr << program_ << ": " << count_ << " of " << total_ << ": " << item << std::endl;
+  std::cerr << fmt::format("{}: {} of {}: {}", program_, count_, total_, item) << std::endl;
 }
 
 }  // namespace fpga_stereo::tools

@@ -1,11 +1,10 @@
-// What the command-line programs share: exit codes, messages, options, progress.
+// Shared by the command-line programs: exit codes, command lines, progress messages.
 #pragma once
 
 #include <boost/program_options.hpp>
 #include <chrono>
 #include <functional>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,21 +13,13 @@ namespace fpga_stereo::tools {
 
 enum ExitCode { kSuccess = 0, kFailure = 1, kWrongUsage = 2 };
 
-/// What was asked for cannot be done: exit code 2. Every other exception gives exit code 1.
+/// A wrong command line: exit code 2. Every other exception gives exit code 1.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The parts as one text.
-template <class... Parts>
-std::string concat(const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  return text.str();
-}
-
-/// Throws what a core function refused, as a failure.
+/// Throws std::runtime_error with `prefix` and the message of a failed Result or Status.
 template <class Outcome>
 void require(const Outcome& outcome, const std::string& prefix = "") {
   if (!outcome) throw std::runtime_error(prefix + outcome.error().message);
@@ -36,19 +27,19 @@ void require(const Outcome& outcome, const std::string& prefix = "") {
 
 using Arguments = std::vector<std::string>;
 
-/// The text as one word for a shell.
+/// Returns the text quoted as one word for a shell.
 std::string shell_quoted(const std::string& text);
 
-/// The body of main(): calls `body` with the arguments but for the program's name and turns
-/// exceptions into "name: message" on stderr and an exit code.
+/// The body of main(). Calls `body` with the arguments after the program name. Turns exceptions
+/// into "name: message" on stderr and returns the exit code.
 int run_program(const std::string& name, int argc, char** argv,
                 const std::function<void(const Arguments&)>& body);
 
-/// What a program, or one of its modes, takes.
+/// The command line of a program or of one of its modes.
 struct CommandLine {
   std::string usage;                    // first lines of --help
-  std::vector<std::string> positional;  // names of the arguments without a name, all required
-  std::string rest;                     // name of any number of further ones; empty: none
+  std::vector<std::string> positional;  // names of the positional arguments, all required
+  std::string rest;                     // name of the optional ones after them; empty: none
   boost::program_options::options_description options{"Options"};
   std::string notes;  // last lines of --help
 };
@@ -58,21 +49,25 @@ struct Parsed {
   std::vector<std::string> positional;
 };
 
-/// Nothing if --help was asked for, which is then printed. Throws UsageError.
+/// Parses the arguments. Returns nullopt after printing what --help or --version asks for. Throws
+/// UsageError.
 std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments);
 
-/// --threads: how many, by default as many as the machine has.
+/// Prints the versions of package, link protocol and gateware.
+void print_version();
+
+/// Option --threads; the default is the number of processors.
 void add_threads_option(boost::program_options::options_description& options);
 int threads(const boost::program_options::variables_map& options);
 
-/// Throws UsageError with the option's name, its value and what is allowed if `value` is not
-/// between `min` and `max`.
+/// Throws UsageError with option, value and range unless `value` is between `min` and `max`.
 void require_range(const std::string& option, double value, double min, double max);
 
-/// Says on stderr how far long work has come: a line for an item whenever a second has passed.
+/// Reports the progress of long work on stderr: at most one line per second.
 class Progress {
  public:
   Progress(std::string program, std::size_t total);
+  /// Counts an item as done.
   void done(const std::string& item);
 
  private:

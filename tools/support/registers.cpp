@@ -1,5 +1,7 @@
 #include "support/registers.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <vector>
@@ -9,7 +11,7 @@
 namespace fpga_stereo::tools {
 namespace {
 
-/// How many letters are to be changed, added or left out (V. I. Levenshtein, 1966).
+/// Returns the edit distance of two texts (V. I. Levenshtein, 1966).
 std::size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -30,7 +32,8 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// Names like `given`: few letters differ, or one contains the other.
+/// Returns a text that suggests names similar to `given`: few letters differ, or one contains the
+/// other.
 template <class Items>
 std::string suggestion(const std::string& given, const Items& items) {
   std::vector<std::string> near, all;
@@ -46,7 +49,7 @@ std::string suggestion(const std::string& given, const Items& items) {
   std::string text;
   for (const std::string& name : few ? all : near) text += (text.empty() ? "" : ", ") + name;
   if (text.empty()) return "see board get --all";
-  return (few ? "there are " : "did you mean ") + text + (few ? "" : "?");
+  return (few ? "allowed are " : "did you mean ") + text + (few ? "" : "?");
 }
 
 }  // namespace
@@ -56,7 +59,7 @@ const spec::Register& find_register(const std::string& name) {
   const auto found = std::find_if(table.begin(), table.end(),
                                   [&](const spec::Register& r) { return r.name == name; });
   if (found != table.end()) return *found;
-  throw UsageError(concat("there is no register \"", name, "\": ", suggestion(name, table)));
+  throw UsageError(fmt::format("no register is called \"{}\": {}", name, suggestion(name, table)));
 }
 
 const spec::FieldInfo& find_field(const spec::Register& reg, const std::string& name) {
@@ -64,10 +67,11 @@ const spec::FieldInfo& find_field(const spec::Register& reg, const std::string& 
                                   [&](const spec::FieldInfo& f) { return f.name == name; });
   if (found != reg.fields.end()) return *found;
   if (reg.fields.empty()) {
-    throw UsageError(concat("register ", reg.name, " has no fields: \"", name, "\" is none"));
+    throw UsageError(
+        fmt::format("register {} has no fields, so \"{}\" is not allowed", reg.name, name));
   }
-  throw UsageError(concat("register ", reg.name, " has no field \"", name,
-                          "\": ", suggestion(name, reg.fields)));
+  throw UsageError(fmt::format("register {} has no field \"{}\": {}", reg.name, name,
+                               suggestion(name, reg.fields)));
 }
 
 std::uint32_t parse_value(const std::string& name, const std::string& text, std::uint32_t max) {
@@ -78,8 +82,8 @@ std::uint32_t parse_value(const std::string& name, const std::string& text, std:
                       digits.find_first_not_of(allowed) == std::string::npos;
   const std::uint64_t value = number ? std::stoull(digits, nullptr, is_hex ? 16 : 10) : 0;
   if (number && value <= max) return static_cast<std::uint32_t>(value);
-  throw UsageError(
-      concat(name, " = \"", text, "\": allowed 0 to ", max, " (", hex(max), "), decimal or 0x..."));
+  throw UsageError(fmt::format("{} = \"{}\": allowed 0 to {} ({}), decimal or 0x...", name, text,
+                               max, hex(max)));
 }
 
 }  // namespace fpga_stereo::tools

@@ -1,4 +1,4 @@
-// Registers by name, as people write and read them.
+// Finds registers and fields by name and parses their values.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace fpga_stereo::tools {
 
-/// Throws UsageError that names registers which are called nearly so.
+/// Returns the register with this name. Throws UsageError that suggests similar names.
 const spec::Register& find_register(const std::string& name);
-/// The same for a field of a register.
+/// Returns the field of a register with this name. Throws UsageError that suggests similar names.
 const spec::FieldInfo& find_field(const spec::Register& reg, const std::string& name);
 
-/// Decimal or 0x..., up to `max`. Throws UsageError; `name` is what was to get the value.
+/// Parses a decimal or 0x... number up to `max`. Throws UsageError, which calls the value `name`.
 std::uint32_t parse_value(const std::string& name, const std::string& text, std::uint32_t max);
 
 }  // namespace fpga_stereo::tools

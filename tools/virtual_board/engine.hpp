@@ -1,4 +1,4 @@
-// What computes in a virtual board.
+// Creates the virtual board that --engine selects.
 #pragma once
 
 #include <boost/program_options.hpp>
@@ -12,13 +12,13 @@ namespace fpga_stereo::tools {
 
 struct Engine {
   std::unique_ptr<sim::Board> board;
-  /// What a register holds, by its address, without asking over the line; empty: cannot be told.
+  /// Returns the value of a register without a request over the link. Empty if the engine cannot.
   std::function<std::uint32_t(std::uint32_t)> peek;
 };
 
-/// --engine, build parameters, and what a board can claim wrongly.
+/// Returns the options for engine, build parameters and wrong registers.
 boost::program_options::options_description engine_options();
-/// Throws UsageError.
+/// Creates the board. Throws UsageError.
 Engine make_engine(const boost::program_options::variables_map& options);
 
 }  // namespace fpga_stereo::tools

@@ -1,4 +1,4 @@
-// What happens to a virtual board, and when: from a script, or again and again.
+// Scripted and periodic events of a virtual board.
 #pragma once
 
 #include <functional>
@@ -12,53 +12,53 @@
 
 namespace fpga_stereo::tools {
 
-/// One thing that happens.
 struct Event {
-  enum class What { kUnplug, kStall, kReset, kHalt, kEmpty, kFault, kQuit };
-  What what = What::kReset;
-  int amount = 0;  // ms of unplug and stall, transfers of empty, number of faults
+  enum class Kind { kUnplug, kStall, kReset, kHalt, kEmpty, kFault, kQuit };
+  Kind kind = Kind::kReset;
+  int amount = 0;  // ms (unplug, stall), transfers (empty) or number of faults
   sim::LineFault fault = sim::LineFault::kFlip;
-  bool to_board = false;  // the fault hits what the host sends
+  bool to_board = false;  // the direction of the fault
 };
 
-/// What the lines of a script may be, for --help.
+/// Describes the lines of a script, for --help.
 extern const char* const kScriptHelp;
 
-/// "at 2.5 unplug 300", "flip 10 to-board": the event, and when (s since the start; none: now).
-/// Nothing for an empty line and for one that begins with #. Throws UsageError, which has the line.
 struct ScriptLine {
-  std::optional<double> at;
+  std::optional<double> at;  // s since the start; nullopt: now
   Event event;
 };
+/// Parses a line such as "at 2.5 unplug 300" or "flip 10 to-board". Returns nullopt for empty lines
+/// and comments (#). Throws UsageError, which quotes the line.
 std::optional<ScriptLine> parse_script_line(const std::string& text);
 
 class Events {
  public:
-  /// A file that is read now, or "-": lines of standard input, as they come.
+  /// Adds the events of a file, or with "-" those of standard input as its lines arrive.
   void add_script(const std::string& path);
   void add(double at, const Event& event);
-  /// Each `period` s, the first time after one.
+  /// Adds an event every `period` s, first after one period.
   void add_periodic(double period, const Event& event);
 
-  /// Does what is due at `now`, s since the start. False: it was told to quit.
+  /// Executes the events due at `now`, s since the start. Returns false after the event quit.
   bool run(double now, sim::FaultyBoard& board, Line& line);
-  /// When something happens next, s; infinite: nothing will.
-  double next() const;
-  std::uint64_t unplugged() const { return unplugged_; }
+  /// Returns the time of the next event, s since the start; infinite if none is scheduled.
+  double next_time() const;
+  /// Returns how often the board was unplugged.
+  std::uint64_t num_unplugged() const { return num_unplugged_; }
 
  private:
   struct Due {
-    double at, period;  // 0: once
+    double at, period;  // s; period 0: once
     Event event;
   };
   void read_input(double now);
-  bool happen(const Event& event, double now, sim::FaultyBoard& board, Line& line);
+  bool execute(const Event& event, double now, sim::FaultyBoard& board, Line& line);
 
   std::vector<Due> due_;
-  bool input_ = false;  // standard input is open
-  std::string partial_;
+  bool reads_stdin_ = false;
+  std::string partial_line_;  // of standard input
   double plug_at_ = std::numeric_limits<double>::infinity();
-  std::uint64_t unplugged_ = 0;
+  std::uint64_t num_unplugged_ = 0;
 };
 
 }  // namespace fpga_stereo::tools

@@ -1,4 +1,4 @@
-// How a virtual board is reached.
+// The line between a virtual board and its host.
 #pragma once
 
 #include <chrono>
@@ -15,25 +15,28 @@ class Line {
  public:
   virtual ~Line() = default;
 
-  /// Moves bytes, and waits for more of them for so long at most.
-  virtual void serve(std::chrono::milliseconds most) = 0;
-  virtual void plug(bool plugged) = 0;
-  /// An exit code, once there is nobody left to serve.
-  virtual std::optional<int> ended() { return std::nullopt; }
-  /// What is printed when the host may come; empty: nothing.
-  virtual std::string ready() const { return ""; }
+  /// Moves bytes, and waits up to `timeout` for more.
+  virtual void serve(std::chrono::milliseconds timeout) = 0;
+  virtual void plug(bool is_plugged) = 0;
+  /// Returns the exit code of the host program when it has ended; nullopt until then.
+  virtual std::optional<int> exit_code() { return std::nullopt; }
+  /// Returns the path that the host opens; empty if the line starts the host itself.
+  virtual std::string path() const { return ""; }
 
-  // Faults that only USB has.
-  virtual void halt() {}              // until the host clears it
-  virtual void send_empty(int) {}     // so many transfers without a byte
-  virtual void limit_packets(int) {}  // bytes of payload in a packet at most; 0: as usual
+  // Faults of USB; other lines ignore them.
+  /// Halts the endpoint until the host clears it.
+  virtual void halt() {}
+  /// Ends the next transfers without a byte.
+  virtual void send_empty(int /*num_transfers*/) {}
+  /// Limits the payload of packets, bytes; 0: no limit.
+  virtual void limit_packets(int /*payload*/) {}
 };
 
-/// A pseudo terminal; `path` becomes a symbolic link to it. Throws std::runtime_error.
+/// Creates a pseudo terminal; `path` becomes a symbolic link to it. Throws std::runtime_error.
 std::unique_ptr<Line> make_pty_line(sim::FaultyBoard& board, const std::string& path);
 
-/// An emulated FT232H that `command` sees, which is started. Throws std::runtime_error, always so
-/// where the programs were built without umockdev.
+/// Creates a virtual FT232H and starts `command`, which sees it. Throws std::runtime_error, also if
+/// the program was built without umockdev.
 std::unique_ptr<Line> make_usb_line(sim::FaultyBoard& board, const std::string& serial_number,
                                     const std::vector<std::string>& command);
 

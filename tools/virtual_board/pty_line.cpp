@@ -10,17 +10,17 @@ class PtyLine final : public Line {
     port_.plug(true);
   }
 
-  void plug(bool plugged) override {
-    if (plugged == port_.is_plugged()) return;
-    port_.plug(plugged);
-    if (!plugged) board_.cut();
+  void plug(bool is_plugged) override {
+    if (is_plugged == port_.is_plugged()) return;
+    port_.plug(is_plugged);
+    if (!is_plugged) board_.cut();
   }
-  void serve(std::chrono::milliseconds most) override {
+  void serve(std::chrono::milliseconds timeout) override {
     const bool moved = port_.move(board_);
     if (port_.is_plugged() && !port_.has_host()) board_.discard();
-    if (!moved) port_.wait(most);
+    if (!moved) port_.wait(timeout);
   }
-  std::string ready() const override { return port_.path(); }
+  std::string path() const override { return port_.path(); }
 
  private:
   sim::FaultyBoard& board_;

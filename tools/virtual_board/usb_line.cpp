@@ -11,28 +11,27 @@
 namespace fpga_stereo::tools {
 namespace {
 
-/// The program runs inside the emulation: only what has its environment sees the device.
+/// Starts the host program in an environment in which it sees the virtual device.
 class UsbLine : public Line, private sim::FifoBackend {
  public:
   UsbLine(sim::FaultyBoard& board, const sim::VirtualFt232h::Options& options,
           const std::vector<std::string>& command)
       : board_(board),
         chip_(*this, options),
-        child_(command, sim::VirtualFt232h::environment(),
-               command[0] + ": there is no such program") {}
+        child_(command, sim::VirtualFt232h::environment(), command[0] + ": no such program") {}
 
-  void serve(std::chrono::milliseconds most) override {
-    // The board may have bytes, or room, for any reason.
+  void serve(std::chrono::milliseconds timeout) override {
+    // The board does not report when it has bytes or room.
     chip_.poke();
-    std::this_thread::sleep_for(most);
+    std::this_thread::sleep_for(timeout);
   }
-  void plug(bool plugged) override {
-    if (plugged == chip_.is_plugged()) return;
-    if (plugged) return chip_.plug();
+  void plug(bool is_plugged) override {
+    if (is_plugged == chip_.is_plugged()) return;
+    if (is_plugged) return chip_.plug();
     chip_.unplug();
     board_.cut();
   }
-  std::optional<int> ended() override {
+  std::optional<int> exit_code() override {
     if (interrupted()) {
       child_.send_signal(SIGTERM);
       return child_.wait();
