@@ -1,5 +1,5 @@
-"""The node with a virtual board on emulated USB, for measurements: the board sends a pair whose
-disparity it has computed before, so that it costs little; it runs on the same machine all the same.
+"""Runs the node with a virtual board on virtual USB, for measurements. The board repeats one pair and
+caches its results, so it needs little processor time; it shares the machine with the node.
 Needs a built tree (scripts/test)."""
 import contextlib
 import os
@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def enter_environment(build):
-    """That of the built tree, in a new Python."""
+    """Restarts this program in the environment of the built tree."""
     if "FPGA_STEREO_BENCH" in os.environ:
         return
     os.environ.update(FPGA_STEREO_BENCH="1", ROS_HOSTNAME="localhost",
@@ -25,7 +25,7 @@ def enter_environment(build):
 
 
 def write_pair(folder, width, height):
-    """Noise that moves by 20 px."""
+    """Writes a noise pair with a disparity of 20 px."""
     generator = random.Random(1)
     rows = [generator.randbytes(width + 20) for _ in range(height)]
     for name, offset in (("left", 0), ("right", 20)):
@@ -47,7 +47,7 @@ def calibrate(width, height):
         service = f"/stereo/{side}/set_camera_info"
         rospy.wait_for_service(service, 30)
         if not rospy.ServiceProxy(service, SetCameraInfo)(info).success:
-            sys.exit(f"{service} refuses the calibration")
+            sys.exit(f"{service} refused the calibration")
 
 
 def node_pid():
@@ -58,7 +58,8 @@ def node_pid():
 
 @contextlib.contextmanager
 def running(build, width, height, board_options, node_options=()):
-    """The virtual board, its standard input open, with the node as /stereo/fpga_stereo."""
+    """Runs the virtual board and the node /stereo/fpga_stereo. Yields the process of the board, whose
+    standard input takes script lines."""
     programs = build / "devel/lib/fpga_stereo"
     with tempfile.TemporaryDirectory() as folder:
         os.environ.update(ROS_HOME=folder, ROS_LOG_DIR=folder)

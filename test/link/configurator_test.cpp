@@ -141,7 +141,7 @@ TEST(Configurator, RecognisesAnEqualConfiguration) {
 
 TEST(Configurator, FailsIfTheBoardDoesNotHoldWhatIsWritten) {
   auto options = SessionRig::small_board();
-  options.wrong = {{spec::kRegSpeckleSize, 9}};
+  options.overrides = {{spec::kRegSpeckleSize, 9}};
   ConfiguratorRig rig(options);
   const Status status = rig.bring_up(desired(8));
   ASSERT_FALSE(status);
