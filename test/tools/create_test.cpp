@@ -133,14 +133,14 @@ TEST_F(Create, ScaleResizesImagesAndCalibration) {
   cv::Mat1b small;
   cv::resize(noise_pair(kSize, 3, 1).right, small, {24, 18}, 0, 0, cv::INTER_AREA);
   EXPECT_EQ(image.data, std::vector<std::uint8_t>(small.begin(), small.end()));
-  const sensor_msgs::CameraInfo whole = distorted_cameras(kSize).right;
+  const sensor_msgs::CameraInfo full = distorted_cameras(kSize).right;
   EXPECT_EQ(info.width, 24U);
   EXPECT_EQ(info.height, 18U);
-  EXPECT_DOUBLE_EQ(info.K[0], whole.K[0] / 2);
-  EXPECT_DOUBLE_EQ(info.K[2], (whole.K[2] + 0.5) / 2 - 0.5);
-  EXPECT_DOUBLE_EQ(info.P[3], whole.P[3] / 2);
-  EXPECT_DOUBLE_EQ(info.P[6], (whole.P[6] + 0.5) / 2 - 0.5);
-  EXPECT_EQ(info.D, whole.D);
+  EXPECT_DOUBLE_EQ(info.K[0], full.K[0] / 2);
+  EXPECT_DOUBLE_EQ(info.K[2], (full.K[2] + 0.5) / 2 - 0.5);
+  EXPECT_DOUBLE_EQ(info.P[3], full.P[3] / 2);
+  EXPECT_DOUBLE_EQ(info.P[6], (full.P[6] + 0.5) / 2 - 0.5);
+  EXPECT_EQ(info.D, full.D);
 }
 
 TEST_F(Create, RefusesInconsistentPairs) {

@@ -15,7 +15,7 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const cv::Size kSize(97, 61);
 
-StereoRectification none(int min_disparity) {
+StereoRectification identity(int min_disparity) {
   StereoGeometry geometry;
   geometry.image_size = kSize;
   return identity_rectification(geometry, min_disparity);
@@ -68,7 +68,7 @@ TEST_F(Match, PngEqualsThePipeline) {
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(run.out + run.err, "");
   const cv::Mat written = cv::imread(at("out.png"), cv::IMREAD_UNCHANGED);
-  const cv::Mat1w disparity = expected(pair_, none(-3), parameters);
+  const cv::Mat1w disparity = expected(pair_, identity(-3), parameters);
   EXPECT_TRUE(equal(written, disparity));
   EXPECT_EQ(disparity(30, 50), 10 * kDisparityScale);  // 7 - min_disparity
   EXPECT_GT(cv::countNonZero(disparity == kNoDisparity), 0);
@@ -79,7 +79,7 @@ TEST_F(Match, PfmIsInPixelsWithInfinity) {
   parameters.min_disparity = 2;
   ASSERT_EQ(
       match({left_, right_, at("out.pfm"), "--min_disparity", "2", "--subpixel", "true"}).code, 0);
-  const cv::Mat1w disparity = expected(pair_, none(2), parameters);
+  const cv::Mat1w disparity = expected(pair_, identity(2), parameters);
   const cv::Mat1f written = read_pfm(at("out.pfm"));
   ASSERT_EQ(written.size(), kSize);
   int holes = 0;
@@ -110,7 +110,7 @@ TEST_F(Match, IsDeterministicForAnyNumberOfThreads) {
 TEST_F(Match, ColorPicture) {
   ASSERT_EQ(match({left_, right_, at("out.png"), "--color", at("color.png")}).code, 0);
   cv::Mat3b picture;
-  to_color(expected(pair_, none(0), {}), Parameters{}.disparity_range, picture);
+  to_color(expected(pair_, identity(0), {}), Parameters{}.disparity_range, picture);
   EXPECT_TRUE(equal(cv::imread(at("color.png")), picture));
 }
 
@@ -128,8 +128,8 @@ TEST_F(Match, ConvertsColorImagesLikeTheNode) {
   Parameters parameters;
   parameters.uniqueness_check = false;
   parameters.speckle_size = 0;
-  EXPECT_TRUE(
-      equal(cv::imread(at("out.png"), cv::IMREAD_UNCHANGED), expected(grey, none(0), parameters)));
+  EXPECT_TRUE(equal(cv::imread(at("out.png"), cv::IMREAD_UNCHANGED),
+                    expected(grey, identity(0), parameters)));
 }
 
 TEST_F(Match, RectifiesWithCameraInfo) {

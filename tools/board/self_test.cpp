@@ -57,16 +57,16 @@ CameraRectification make_rotation(cv::Size size, int rows, double sign, int shif
     const double u = x - shift_x - middle.x, v = y - middle.y;
     return cv::Point2d(middle.x + u - angle * v + 0.3 * sign, middle.y + v + angle * u + 0.7);
   };
-  auto made = make_rectification(map, size, size, camera);
-  require(made);
-  return *made;
+  auto rectification = make_rectification(map, size, size, camera);
+  require(rectification);
+  return *rectification;
 }
 
 Case make_case(const GatewareBuild& build, cv::Size size, unsigned seed, bool is_rectified) {
-  Case made;
-  made.seed = seed;
-  made.is_rectified = is_rectified;
-  Parameters& p = made.parameters;
+  Case test;
+  test.seed = seed;
+  test.is_rectified = is_rectified;
+  Parameters& p = test.parameters;
   p = parameters_of(build);
   p.min_disparity = static_cast<int>(seed % 3);
   p.speckle_size = static_cast<int>(seed * 37 % 200);
@@ -75,13 +75,13 @@ Case make_case(const GatewareBuild& build, cv::Size size, unsigned seed, bool is
   p.subpixel = seed % 4 != 3;
   StereoGeometry geometry;
   geometry.image_size = size;
-  made.rectification = identity_rectification(geometry, p.min_disparity);
+  test.rectification = identity_rectification(geometry, p.min_disparity);
   if (is_rectified) {
-    made.rectification.left = make_rotation(size, build.line_rows, 1, 0, "left");
-    made.rectification.right = make_rotation(size, build.line_rows, -1, p.min_disparity, "right");
+    test.rectification.left = make_rotation(size, build.line_rows, 1, 0, "left");
+    test.rectification.right = make_rotation(size, build.line_rows, -1, p.min_disparity, "right");
   }
-  make_pair(size, seed, build.disparities, made.left, made.right);
-  return made;
+  make_pair(size, seed, build.disparities, test.left, test.right);
+  return test;
 }
 
 struct Comparison {
@@ -98,10 +98,10 @@ class SelfTest {
 
   /// Sends the pair of a case and compares the results.
   Comparison run(const Case& test) {
-    const auto made =
+    const auto configuration =
         make_gateware_configuration(identity_.build, test.parameters, test.rectification);
-    require(made, "this board cannot be tested with these settings: ");
-    apply_configuration(board_, *made, ++tag_, streams_, true, kConfigurationTimeout);
+    require(configuration, "this board cannot be tested with these settings: ");
+    apply_configuration(board_, *configuration, ++tag_, streams_, true, kConfigurationTimeout);
     const link::FrameSet set = send(test);
     const DisparityFrame& frame = pipeline_.process(test.left, test.right, test.rectification,
                                                     test.parameters, cv::getNumberOfCPUs());

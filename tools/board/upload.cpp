@@ -75,9 +75,9 @@ void upload(const std::string& device, const Arguments& arguments) {
   const Parameters parameters = parameters_from(parsed->options, parameters_of(identity.build));
   const StereoRectification rectification =
       rectification_from(parsed->options, parameters.min_disparity);
-  const auto made = make_gateware_configuration(identity.build, parameters, rectification);
-  require(made, "this board does not support these settings: ");
-  apply_configuration(board, *made, 0, 0, false, kConfigurationTimeout);
+  const auto configuration = make_gateware_configuration(identity.build, parameters, rectification);
+  require(configuration, "this board does not support these settings: ");
+  apply_configuration(board, *configuration, 0, 0, false, kConfigurationTimeout);
 
   const cv::Size size = rectification.geometry.image_size;
   const std::uint32_t number = board.read({spec::kRegConfiguration})[0];

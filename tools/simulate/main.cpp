@@ -128,9 +128,9 @@ void simulate(const Arguments& arguments) {
   if (!vcd.empty()) require(gateware.open_trace(vcd));
   require(gateware.apply(job.parameters, job.rectification));
   constexpr int kCopies = 3;  // until the interval between frames is steady
-  const Run made = run(gateware, job, cycles ? kCopies : 1);
-  write_result(job, made.frames.front().disparity);
-  if (cycles) print_cycles(made, gateware.build(), job);
+  const Run result = run(gateware, job, cycles ? kCopies : 1);
+  write_result(job, result.frames.front().disparity);
+  if (cycles) print_cycles(result, gateware.build(), job);
 }
 
 }  // namespace

@@ -97,9 +97,9 @@ StereoRectification read_rectification(const std::string& left_path, const std::
   require(left);
   const auto right = read_camera_info(right_path);
   require(right);
-  auto made = make_stereo_rectification(*left, *right, min_disparity);
-  require(made, fmt::format("{}, {}: ", left_path, right_path));
-  return std::move(*made);
+  auto rectification = make_stereo_rectification(*left, *right, min_disparity);
+  require(rectification, fmt::format("{}, {}: ", left_path, right_path));
+  return std::move(*rectification);
 }
 
 void write_result(const StereoJob& job, const cv::Mat1w& disparity) {

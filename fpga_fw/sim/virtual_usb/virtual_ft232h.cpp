@@ -10,7 +10,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Each packet begins with modem status and line status.
-constexpr std::uint8_t kModem = 0x32, kLine = 0x60, kOverrun = 0x02;
+constexpr std::uint8_t kOverrun = 0x02;  // bit of the line status
 constexpr std::size_t kStatusBytes = 2;
 
 constexpr std::size_t kMaxFifo = 1 << 20;

@@ -114,6 +114,8 @@ class VirtualFt232h : private UsbfsDevice {
   bool append_packet(Urb& urb, bool is_timer_expired);
   bool deliver(std::unique_lock<std::mutex>& lock);
 
+  static constexpr std::uint8_t kModem = 0x32, kLine = 0x60;  // modem and line status
+
   FifoBackend& backend_;
   const Options options_;
   Seen seen_;
