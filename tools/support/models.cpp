@@ -41,7 +41,7 @@ std::string numbers(const GatewareBuild& build) {
 }
 
 /// Runs build_model. Returns the path of the model.
-std::string build(const std::string& arguments, const std::string& folder, int jobs) {
+std::string run_build_model(const std::string& arguments, const std::string& folder, int jobs) {
   const std::string command =
       fmt::format("{} {} --jobs {} {}", shell_quoted(build_model_path()), arguments, jobs,
                   shell_quoted(fs::absolute(folder).string()));
@@ -92,13 +92,14 @@ std::string default_models_folder() {
 
 std::string require_model(const GatewareBuild& build, bool trace, const std::string& folder,
                           int jobs) {
-  return build(fmt::format("{}{}", numbers(build), trace ? " --trace" : ""), folder, jobs);
+  return run_build_model(fmt::format("{}{}", numbers(build), trace ? " --trace" : ""), folder,
+                         jobs);
 }
 
 std::string require_system_model(const SystemBuild& build, const std::string& folder, int jobs) {
-  return build(fmt::format("{} {} {} {}", numbers(build.gateware), build.clock_hz, build.streams,
-                           build.ring_rows),
-               folder, jobs);
+  return run_build_model(fmt::format("{} {} {} {}", numbers(build.gateware), build.clock_hz,
+                                     build.streams, build.ring_rows),
+                         folder, jobs);
 }
 
 }  // namespace fpga_stereo::tools
