@@ -77,7 +77,7 @@ void upload(const std::string& device, const Arguments& arguments) {
       rectification_from(parsed->options, parameters.min_disparity);
   const auto configuration = make_gateware_configuration(identity.build, parameters, rectification);
   require(configuration, "this board does not support these settings: ");
-  apply_configuration(board, *configuration, 0, 0, false, kConfigurationTimeout);
+  apply_configuration(board, *configuration, 0, {}, false, kConfigurationTimeout);
 
   const cv::Size size = rectification.geometry.image_size;
   const std::uint32_t number = board.read({spec::kRegConfiguration})[0];
