@@ -15,7 +15,7 @@ const std::array<std::uint8_t, 4> kSyncBytes = [] {
 }  // namespace
 
 void Decoder::push(const std::uint8_t* bytes, std::size_t size) {
-  // Less than a packet remains when all packets have been taken out.
+  // Moves less than a packet if the caller has taken all packets.
   bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(at_));
   at_ = 0;
   bytes_.insert(bytes_.end(), bytes, bytes + size);
@@ -31,9 +31,10 @@ bool Decoder::find_sync() {
   const auto begin = bytes_.begin() + static_cast<std::ptrdiff_t>(at_);
   auto found = std::search(begin, bytes_.end(), kSyncBytes.begin(), kSyncBytes.end());
   if (found == bytes_.end()) {
-    // The end may be the start of one.
-    const std::size_t most = std::min(left(), kSyncBytes.size() - 1);
-    for (found = bytes_.end() - static_cast<std::ptrdiff_t>(most); found != bytes_.end(); ++found) {
+    // The last bytes may be the start of a sync word.
+    const std::size_t max_part = std::min(left(), kSyncBytes.size() - 1);
+    for (found = bytes_.end() - static_cast<std::ptrdiff_t>(max_part); found != bytes_.end();
+         ++found) {
       if (std::equal(found, bytes_.end(), kSyncBytes.begin())) break;
     }
   }
@@ -42,7 +43,7 @@ bool Decoder::find_sync() {
 }
 
 void Decoder::count_lost(std::uint32_t sequence) {
-  // Backwards: a packet that came twice or late, or a board that started anew.
+  // A large gap is a step backwards: a repeated or late packet, or a board that was reset.
   const std::uint32_t gap = sequence - expected_.value_or(sequence);
   if (gap < 0x80000000U) counters_.lost_packets += gap;
   expected_ = sequence + 1;

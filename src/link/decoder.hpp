@@ -1,6 +1,6 @@
-// From the byte stream of a link to packets. FTDI FIFOs and serial lines lose, double and shift
-// bytes: nothing but a packet whose two CRCs are right comes out, and after any damage the next
-// intact packet does.
+// Finds packets in the byte stream of a link. FTDI FIFOs and serial lines lose, repeat and shift
+// bytes: the decoder returns only packets whose two CRCs are right, and finds the next intact
+// packet after any damage.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace fpga_stereo::link {
 
-/// An intact packet; the payload is the decoder's, up to its next call.
+/// An intact packet. The decoder owns the payload; it is valid until the decoder's next call.
 struct Packet {
   Header header;
   const std::uint8_t* payload = nullptr;  // header.length bytes
@@ -21,19 +21,19 @@ struct Packet {
 
 class Decoder {
  public:
-  /// Adds bytes as they came, split anywhere. Copies them once. Take all packets out before more
-  /// are given: what is left stays in memory.
+  /// Adds received bytes, split anywhere; copies them. Call next() until it returns nothing before
+  /// adding more: the bytes of packets not taken stay in memory.
   void push(const std::uint8_t* bytes, std::size_t size);
 
-  /// The next intact packet; none if more bytes are needed.
+  /// Returns the next intact packet; nullopt if more bytes are needed.
   std::optional<Packet> next();
 
-  /// The link has fallen silent: what looks like a packet that lacks its end is none. The scan goes
-  /// on behind its sync word; call next() again.
+  /// After a silence, discards the partial packet at the end. next() then searches its bytes again,
+  /// from the byte after its sync word.
   void discard_partial_packet();
 
-  /// Another stream begins: what waits is forgotten, and any sequence number is the first. The
-  /// counters go on.
+  /// Starts with a new byte stream: drops the bytes and accepts any sequence number. The counters
+  /// continue.
   void reset();
 
   const DecoderCounters& counters() const { return counters_; }
@@ -41,12 +41,13 @@ class Decoder {
  private:
   std::size_t left() const { return bytes_.size() - at_; }
   void skip(std::size_t bytes);
-  /// Moves to the next sync word or to the first bytes of one at the end; false: no whole header.
+  /// Skips to the next sync word, or to the start of one at the end of the bytes. Returns true if a
+  /// whole header follows.
   bool find_sync();
   void count_lost(std::uint32_t sequence);
 
   std::vector<std::uint8_t> bytes_;
-  std::size_t at_ = 0;                     // first byte that is not yet decided upon
+  std::size_t at_ = 0;                     // first byte that was not searched
   std::optional<std::uint32_t> expected_;  // sequence number of the next packet
   DecoderCounters counters_;
 };

@@ -71,7 +71,7 @@ class DeviceThreads {
   Session session_ FPGA_STEREO_GUARDED_BY(mutex_);
   std::string description_ FPGA_STEREO_GUARDED_BY(mutex_);
   LinkTrouble closed_trouble_ FPGA_STEREO_GUARDED_BY(mutex_) = LinkTrouble::kNotOpened;
-  std::string closed_text_ FPGA_STEREO_GUARDED_BY(mutex_) = "no board was looked for yet";
+  std::string closed_text_ FPGA_STEREO_GUARDED_BY(mutex_) = "the device has not been opened yet";
   Transport::Counters transport_counters_ FPGA_STEREO_GUARDED_BY(mutex_);
   std::uint64_t times_opened_ FPGA_STEREO_GUARDED_BY(mutex_) = 0;
   bool is_stopping_ FPGA_STEREO_GUARDED_BY(mutex_) = false;

@@ -1,5 +1,7 @@
 #include "link/frame_assembler.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -13,7 +15,7 @@ using Verdict = FrameVerdict;
 
 std::size_t pixel_bytes(PixelFormat format) { return format == PixelFormat::kDisparity ? 2 : 1; }
 
-/// The leader in a payload; none if it describes no frame that there can be.
+/// Unpacks a leader; nullopt if no board makes such a frame.
 std::optional<Leader> unpack_leader(const Packet& packet) {
   if (packet.header.length != Leader::kBytes) return std::nullopt;
   Leader leader;
@@ -41,7 +43,7 @@ std::string flag_names(std::uint32_t flags) {
   const std::pair<std::uint32_t, const char*> names[] = {
       {kCutFrame, "the camera's frame was cut"},
       {kLongFrame, "the camera's frame was too long"},
-      {kBufferError, "the rectification reads beyond the line buffer"},
+      {kBufferError, "the rectification reads outside the line buffer"},
       {kOverrun, "the link was too slow"},
   };
   std::string text;
@@ -122,22 +124,21 @@ void append_frame(const Header& frame, const cv::Mat& image, std::uint32_t confi
 }
 
 std::string AssembledFrame::text() const {
-  std::string frame = std::string(name(stream)) + " frame " + std::to_string(frame_id) + " ";
-  const std::string rows =
-      std::to_string(missing_rows) + " of " + std::to_string(height) + " rows are missing";
+  const std::string frame = fmt::format("{} frame {}", name(stream), frame_id);
+  const std::string rows = fmt::format("{} of {} rows are missing", missing_rows, height);
   switch (verdict) {
     case Verdict::kGood:
-      return frame + "is good";
+      return frame + " is good";
     case Verdict::kIncomplete:
-      return frame + "is incomplete: " + rows;
+      return frame + " is incomplete: " + rows;
     case Verdict::kRowsMissing:
-      return frame + "dropped: " + rows;
+      return frame + " dropped: " + rows;
     case Verdict::kNoTrailer:
-      return frame + "dropped: it did not end";
+      return frame + " dropped: it did not end";
     case Verdict::kFlagged:
-      return frame + "dropped: " + flag_names(flags);
+      return frame + " dropped: " + flag_names(flags);
     case Verdict::kBadSignature:
-      return frame + "dropped: its signature is not the board's";
+      return frame + " dropped: its signature does not match";
   }
   return frame;
 }
@@ -154,15 +155,15 @@ void FrameAssembler::add(const Packet& packet, std::vector<AssembledFrame>& out)
   }
   Frame& frame = frames_[stream];
   if (type == PacketType::kLeader) {
-    if (frame.open) {
-      // A leader that came twice begins nothing.
+    if (frame.is_open) {
+      // A repeated leader begins nothing.
       if (frame.assembled.frame_id == packet.header.frame_id) return;
       finish(frame, Verdict::kNoTrailer, out);
     }
     begin(packet, frame);
     return;
   }
-  if (!frame.open || frame.assembled.frame_id != packet.header.frame_id) {
+  if (!frame.is_open || frame.assembled.frame_id != packet.header.frame_id) {
     ++counters_.refused_packets;
     return;
   }
@@ -179,7 +180,7 @@ void FrameAssembler::begin(const Packet& packet, Frame& frame) {
     ++counters_.refused_packets;
     return;
   }
-  frame.open = true;
+  frame.is_open = true;
   frame.leader = *leader;
   frame.assembled = {};
   frame.assembled.stream = packet.header.stream;
@@ -190,7 +191,7 @@ void FrameAssembler::begin(const Packet& packet, Frame& frame) {
   const bool wide = leader->format == PixelFormat::kDisparity;
   frame.assembled.image.create(leader->height, leader->columns(packet.header.stream),
                                wide ? CV_16UC1 : CV_8UC1);
-  frame.have.assign(leader->height, false);
+  frame.has_row.assign(leader->height, false);
 }
 
 void FrameAssembler::take_rows(const Packet& packet, Frame& frame) {
@@ -203,7 +204,7 @@ void FrameAssembler::take_rows(const Packet& packet, Frame& frame) {
   }
   for (std::size_t i = 0; i < rows; ++i) {
     set_row(packet.payload + i * row_bytes, frame.assembled.image.row(static_cast<int>(first + i)));
-    frame.have[first + i] = true;
+    frame.has_row[first + i] = true;
   }
 }
 
@@ -215,7 +216,7 @@ void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembl
   AssembledFrame& assembled = frame.assembled;
   assembled.flags = get_u32(packet.payload + kLinkTrailerFlagsAt);
   assembled.missing_rows =
-      static_cast<int>(std::count(frame.have.begin(), frame.have.end(), false));
+      static_cast<int>(std::count(frame.has_row.begin(), frame.has_row.end(), false));
   if (assembled.flags != 0) return finish(frame, Verdict::kFlagged, out);
   if (assembled.missing_rows == 0) {
     const bool same =
@@ -226,13 +227,13 @@ void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembl
     return finish(frame, Verdict::kRowsMissing, out);
   }
   for (int y = 0; y < assembled.height; ++y) {
-    if (!frame.have[static_cast<std::size_t>(y)]) assembled.image.row(y).setTo(kNoDisparity);
+    if (!frame.has_row[static_cast<std::size_t>(y)]) assembled.image.row(y).setTo(kNoDisparity);
   }
   finish(frame, Verdict::kIncomplete, out);
 }
 
 void FrameAssembler::finish(Frame& frame, Verdict verdict, std::vector<AssembledFrame>& out) {
-  frame.open = false;
+  frame.is_open = false;
   frame.assembled.verdict = verdict;
   if (verdict == Verdict::kGood) {
     ++counters_.good;
@@ -247,7 +248,7 @@ void FrameAssembler::finish(Frame& frame, Verdict verdict, std::vector<Assembled
 
 void FrameAssembler::reset(std::vector<AssembledFrame>& out) {
   for (Frame& frame : frames_) {
-    if (frame.open) finish(frame, Verdict::kNoTrailer, out);
+    if (frame.is_open) finish(frame, Verdict::kNoTrailer, out);
   }
 }
 

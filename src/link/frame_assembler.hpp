@@ -1,6 +1,5 @@
-// From packets to frames. A frame is a leader, packets of rows and a trailer; whatever of it is
-// lost costs rows, never a wrong pixel: what comes out whole is what the board sent, or it is not
-// called whole.
+// Assembles frames from packets: a leader, packets of rows, and a trailer. Lost packets cost rows,
+// or the frame, but never make a pixel wrong: a frame called good is exactly what the board sent.
 #pragma once
 
 #include <array>
@@ -36,24 +35,25 @@ struct Leader {
   PixelFormat format = PixelFormat::kDisparity;
   std::uint32_t configuration = 0;
 
-  /// Pixels in a row: of stream input those of both images, side by side.
+  /// Returns the pixels in a row; stream input has both images side by side.
   int columns(Stream stream) const { return stream == Stream::kInput ? 2 * width : width; }
-  /// Bytes of a row in a packet of rows: the pixels, and zeros up to a multiple of 4.
+  /// Returns the bytes of a row in a packet of rows: the pixels, padded with zeros to a multiple
+  /// of 4.
   std::size_t row_bytes(Stream stream) const;
 };
 
-/// Why a board calls its own frame bad: bits of Trailer::flags.
+/// Why a board flags its own frame as bad: bits of Trailer::flags.
 enum FrameFlag : std::uint32_t {
-  kCutFrame = kFrameCut,             // the camera's frame had too few pixels
-  kLongFrame = kFrameLong,           // or too many
-  kBufferError = kFrameBufferError,  // rectify read what its line buffer did not hold
-  kOverrun = kFrameOverrun,          // the link was too slow: the board dropped the rest of it
+  kCutFrame = kFrameCut,             // the camera sent too few pixels
+  kLongFrame = kFrameLong,           // the camera sent too many pixels
+  kBufferError = kFrameBufferError,  // rectify read outside its line buffer
+  kOverrun = kFrameOverrun,  // the link was too slow: the board dropped the rest of the frame
 };
 
 /// Payload of PacketType::kTrailer:
 ///
 ///   offset  type  field
-///    0      u32   rows           that were sent
+///    0      u32   rows           sent
 ///    4      u32   flags          FrameFlag, 0 is a good frame
 ///    8      u32   signature      fpga_stereo::Signature of all pixels, in raster order
 struct Trailer {
@@ -64,17 +64,17 @@ struct Trailer {
 std::array<std::uint8_t, Leader::kBytes> pack(const Leader& leader);
 std::array<std::uint8_t, Trailer::kBytes> pack(const Trailer& trailer);
 
-/// One row (8UC1 or 16UC1) as a packet of rows has it, appended to `bytes`.
+/// Appends one row (8UC1 or 16UC1) to `bytes`, as packets of rows hold it.
 void append_row(const cv::Mat& row, std::vector<std::uint8_t>& bytes);
 
-/// A whole frame as packets, appended to `bytes`: leader, rows, trailer. `frame` has what the three
-/// have in common: stream, frame_id, timestamp; and the leader's configuration. Rows go in packets
-/// of at most `payload` bytes. `sequence` is that of the first packet, and moves on.
+/// Appends a frame to `bytes`: leader, packets of rows, trailer. `frame` gives stream, frame_id and
+/// timestamp of all packets. Packets of rows have at most `payload` bytes of payload. `sequence` is
+/// the first packet's sequence number, and is advanced.
 void append_frame(const Header& frame, const cv::Mat& image, std::uint32_t configuration,
                   std::uint32_t flags, std::size_t payload, std::uint32_t& sequence,
                   std::vector<std::uint8_t>& bytes);
 
-/// What became of a frame.
+/// A frame that has ended, good or not.
 struct AssembledFrame {
   FrameVerdict verdict = FrameVerdict::kGood;
   Stream stream = Stream::kNone;
@@ -87,37 +87,37 @@ struct AssembledFrame {
   cv::Mat image;  // 16UC1 or 8UC1; empty if dropped
 
   bool is_dropped() const { return image.empty(); }
-  /// For people: "disparity frame 7 dropped: 3 of 480 rows are missing".
+  /// Returns a text for people: "disparity frame 7 dropped: 3 of 480 rows are missing".
   std::string text() const;
 };
 
 class FrameAssembler {
  public:
   struct Options {
-    /// A disparity frame that lacks rows comes out as kIncomplete, those rows without disparity.
+    /// Returns disparity frames that lack rows as kIncomplete; the missing rows hold no disparity.
     bool keep_incomplete = false;
   };
   FrameAssembler() : FrameAssembler(Options{}) {}
   explicit FrameAssembler(Options options) : options_(options) {}
 
-  /// Takes a leader, rows or a trailer; what it finishes is appended to `out`: none, one, or two
-  /// (a leader ends the frame before). Other packets are left alone.
+  /// Adds a leader, rows or a trailer; ignores other packets. Appends the frames that end with it
+  /// to `out`: a trailer ends its frame, a leader ends the last frame of its stream.
   void add(const Packet& packet, std::vector<AssembledFrame>& out);
 
-  /// The link was lost: frames under way will not be finished.
+  /// Ends the frames in flight, because the link was lost.
   void reset(std::vector<AssembledFrame>& out);
 
-  /// frame_id of the frame of a stream that has begun and not ended.
+  /// Returns the frame_id of the stream's frame that has begun and not ended.
   std::optional<std::uint64_t> frame_in_flight(Stream stream) const;
 
   const FrameCounters& counters() const { return counters_; }
 
  private:
   struct Frame {
-    bool open = false;
+    bool is_open = false;
     Leader leader;
     AssembledFrame assembled;
-    std::vector<bool> have;  // by row
+    std::vector<bool> has_row;
   };
   void begin(const Packet& packet, Frame& frame);
   void take_rows(const Packet& packet, Frame& frame);

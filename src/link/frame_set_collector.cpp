@@ -6,7 +6,7 @@
 namespace fpga_stereo::link {
 
 FrameSetCollector::Entry& FrameSetCollector::entry(std::uint64_t frame_id) {
-  // The numbers may wrap: what is less than half of them behind is later.
+  // frame_id may wrap: up to half of its range ahead is later.
   const auto later = [frame_id](const Entry& e) {
     return static_cast<std::int64_t>(e.set.frame_id - frame_id) >= 0;
   };
@@ -36,7 +36,7 @@ void FrameSetCollector::add(AssembledFrame&& frame, StreamSet expected,
     return !i.empty() && i.size() != frame.image.size();
   };
   if (!frame.is_dropped() && std::any_of(e.set.images.begin(), e.set.images.end(), misfits)) {
-    // No board of ours: what is made of a set relies on it.
+    // No compatible board does this, but users rely on equal sizes.
     frame.image.release();
     e.set.dropped.push_back(std::string(name(frame.stream)) + " frame " +
                             std::to_string(frame.frame_id) +
@@ -46,24 +46,24 @@ void FrameSetCollector::add(AssembledFrame&& frame, StreamSet expected,
   if (!frame.is_dropped())
     e.set.images[static_cast<std::size_t>(frame.stream)] = std::move(frame.image);
 
-  // Raw images come of some pairs only: they are waited for where they have begun.
-  constexpr StreamSet kSometimes{Stream::kRawLeft, Stream::kRawRight};
+  // Raw images accompany some pairs only: a set waits for them if they have begun.
+  constexpr StreamSet kOptional{Stream::kRawLeft, Stream::kRawRight};
   std::size_t complete = 0;
   while (complete < entries_.size()) {
     const Entry& first = entries_[complete];
-    const StreamSet always = expected - kSometimes;
-    const StreamSet wanted = (always.empty() ? expected : always) | first.begun;
+    const StreamSet required = expected - kOptional;
+    const StreamSet wanted = (required.empty() ? expected : required) | first.begun;
     if (!first.ended.contains_all(wanted) && entries_.size() - complete <= kMaxInFlight) break;
     ++complete;
   }
-  give(complete, out);
+  move_first(complete, out);
 }
 
-void FrameSetCollector::give(std::size_t count, std::vector<FrameSet>& out) {
+void FrameSetCollector::move_first(std::size_t count, std::vector<FrameSet>& out) {
   for (std::size_t i = 0; i < count; ++i) out.push_back(std::move(entries_[i].set));
   entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
-void FrameSetCollector::reset(std::vector<FrameSet>& out) { give(entries_.size(), out); }
+void FrameSetCollector::reset(std::vector<FrameSet>& out) { move_first(entries_.size(), out); }
 
 }  // namespace fpga_stereo::link

@@ -1,5 +1,4 @@
-// The images that a board made of one pair, together: everything that comes from one pair has one
-// stamp, and is published at once.
+// Collects the frames that a board made from one pair into a frame set.
 #pragma once
 
 #include <array>
@@ -14,15 +13,16 @@ namespace fpga_stereo::link {
 
 class FrameSetCollector {
  public:
-  /// More than this under way: the oldest is given as it is.
+  /// Maximum frame sets in flight; beyond it the oldest is returned incomplete.
   static constexpr std::size_t kMaxInFlight = 3;
 
-  /// A frame of a stream has begun: its set waits for it.
+  /// Notes that a frame has begun: its set waits for the frame's end.
   void begin(Stream stream, std::uint64_t frame_id);
-  /// A frame has ended, good or dropped. Sets that lack nothing are appended to `out`, in the order
-  /// of their frames; `streams` has a bit for each stream that a whole set has.
+  /// Adds a frame that has ended, good or dropped. Appends the sets that are complete to `out`, in
+  /// the order of their frame_ids. A complete set has the `expected` streams and those that have
+  /// begun.
   void add(AssembledFrame&& frame, StreamSet expected, std::vector<FrameSet>& out);
-  /// The line was lost: what is there comes out.
+  /// Appends all sets to `out` as they are, because the link was lost.
   void reset(std::vector<FrameSet>& out);
 
  private:
@@ -30,10 +30,11 @@ class FrameSetCollector {
     FrameSet set;
     StreamSet begun, ended;
   };
+  /// Returns the entry of a frame_id; creates it if there is none.
   Entry& entry(std::uint64_t frame_id);
-  void give(std::size_t count, std::vector<FrameSet>& out);
+  void move_first(std::size_t count, std::vector<FrameSet>& out);
 
-  std::vector<Entry> entries_;  // by frame, the oldest first
+  std::vector<Entry> entries_;  // in the order of frame_id
 };
 
 }  // namespace fpga_stereo::link

@@ -1,6 +1,8 @@
-// Requests: FTDI's AN_130 (synchronous 245 FIFO) and AN_232B-04 (latency timer, status bytes) give
-// the procedure; their numbers are those of libftdi and of the kernel's ftdi_sio.
+// The procedure follows FTDI's AN_130 (synchronous 245 FIFO) and AN_232B-04 (latency timer, status
+// bytes); the request numbers are those of libftdi and of the kernel's ftdi_sio.
 #include "link/ftdi.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
@@ -63,7 +65,7 @@ Status set_up_ftdi(const UsbDevice& device, int latency_ms) {
 
   if (Status sent = device.send(kReset, kResetAll); !sent) return sent;
   if (Status sent = device.send(kSetBitMode, kModeReset); !sent) return sent;
-  // The chip's clock stops and starts with its mode: AN_130 waits here.
+  // The chip's clock stops and starts with its mode; AN_130 waits here.
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   if (Status sent = device.send(kSetLatency, static_cast<std::uint16_t>(latency_ms)); !sent) {
     return sent;
@@ -71,9 +73,9 @@ Status set_up_ftdi(const UsbDevice& device, int latency_ms) {
   std::uint8_t latency = 0;
   if (Status got = device.receive(kGetLatency, 0, &latency, 1); !got) return got;
   if (latency != latency_ms) {
-    return Error{ErrorKind::kIo, device.name + ": the latency timer was set to " +
-                                     std::to_string(latency_ms) + " ms and reads back as " +
-                                     std::to_string(latency) + " ms"};
+    return Error{ErrorKind::kIo,
+                 fmt::format("{}: the latency timer was set to {} ms and reads back as {} ms",
+                             device.name, latency_ms, latency)};
   }
   if (Status sent = device.send(kSetBitMode, kModeSyncFifo); !sent) return sent;
   if (Status sent = device.send(kSetFlowControl, 0, kRtsCts); !sent) return sent;

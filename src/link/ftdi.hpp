@@ -1,4 +1,4 @@
-// What an FT232H puts between the host and its FIFO.
+// The protocol of an FT232H: status bytes in received data, and its EEPROM.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,18 @@
 
 namespace fpga_stereo::link {
 
-/// What was left of a transfer.
+/// The payload of a transfer.
 struct Stripped {
   std::size_t size = 0;   // bytes of payload, moved to the front
-  unsigned overruns = 0;  // packets before which the chip had lost bytes
+  unsigned overruns = 0;  // packets before which the chip lost bytes
 };
 
-/// Takes the two status bytes off the start of every packet. `bytes` is one bulk transfer, which
-/// begins with a packet and has `packet` bytes (wMaxPacketSize) in every one but the last.
+/// Removes the two status bytes at the start of every packet. `bytes` is one bulk transfer: packets
+/// of `packet` bytes (wMaxPacketSize), of which the last may be shorter.
 Stripped strip_status(std::uint8_t* bytes, std::size_t size, std::size_t packet);
 
-/// Whether the chip is set to 245 FIFO mode, by word 0 of its EEPROM; `device` is for the message.
+/// Checks word 0 of the EEPROM: the chip must be set to 245 FIFO mode. `device` names it in the
+/// error.
 Status check_fifo_mode(std::uint16_t eeprom_word, const std::string& device);
 
 }  // namespace fpga_stereo::link

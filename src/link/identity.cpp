@@ -1,6 +1,6 @@
 #include "fpga_stereo/link/identity.hpp"
 
-#include <sstream>
+#include <fmt/core.h>
 
 #include "link/packet.hpp"
 
@@ -10,10 +10,6 @@ namespace {
 constexpr const char* kFlash =
     "flash the gateware of this release (rosrun fpga_stereo board flash), or install the software "
     "that belongs to that gateware";
-
-std::string version(int major, int minor) {
-  return std::to_string(major) + "." + std::to_string(minor);
-}
 
 }  // namespace
 
@@ -45,35 +41,36 @@ Identity Identity::from_values(const std::vector<RegisterWrite>& values) {
 Status Identity::check() const {
   if (identity != spec::kRegIdentityReset) {
     return Error{ErrorKind::kIncompatible,
-                 "what answers is no board of this kind: IDENTITY = " + hex(identity) +
-                     ", expected " + hex(spec::kRegIdentityReset)};
+                 fmt::format("the device is not an fpga_stereo board: IDENTITY = {}, expected {}",
+                             hex(identity), hex(spec::kRegIdentityReset))};
   }
   const auto ours = static_cast<int>(spec::kVersionMajor.get(spec::kRegVersionReset));
   if (major != ours) {
-    return Error{ErrorKind::kIncompatible,
-                 "the board's gateware has version " + version(major, minor) +
-                     ", this software works with " + std::to_string(ours) + ".x: " + kFlash};
+    return Error{
+        ErrorKind::kIncompatible,
+        fmt::format("the board's gateware has version {}.{}, this software works with {}.x: {}",
+                    major, minor, ours, kFlash)};
   }
   if (spec_hash != kSpecHash) {
-    return Error{ErrorKind::kIncompatible, "the board's gateware is of specification " +
-                                               hex(spec_hash) + ", this software of " +
-                                               hex(kSpecHash) + ": " + kFlash};
+    return Error{ErrorKind::kIncompatible,
+                 fmt::format("the board's gateware was built for specification {}, "
+                             "this software for {}: {}",
+                             hex(spec_hash), hex(kSpecHash), kFlash)};
   }
   return {};
 }
 
 std::string Identity::text() const {
-  std::ostringstream text;
-  text << "gateware " << version(major, minor) << ", " << build.max_width << " px wide, "
-       << build.disparities << " disparities, " << to_text(build.census_pattern) << " census "
-       << build.census_window << ", correlation " << build.correlation_window << ", "
-       << build.line_rows << " rows of line buffer, " << clock_hz / 1e6 << " MHz";
-  return text.str();
+  return fmt::format(
+      "gateware {}.{}, {} px wide, {} disparities, {} census {}, correlation {}, {} rows of line "
+      "buffer, {:g} MHz",
+      major, minor, build.max_width, build.disparities, to_text(build.census_pattern),
+      build.census_window, build.correlation_window, build.line_rows, clock_hz / 1e6);
 }
 
 std::string version_text(int version) {
-  return "the board speaks version " + std::to_string(version) +
-         " of the packets, this software version " + std::to_string(kVersion) + ": " + kFlash;
+  return fmt::format("the board's packets have version {}, this software's have version {}: {}",
+                     version, kVersion, kFlash);
 }
 
 }  // namespace fpga_stereo::link

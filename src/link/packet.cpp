@@ -1,13 +1,14 @@
 #include "link/packet.hpp"
 
+#include <fmt/core.h>
+
 #include <boost/crc.hpp>
 #include <stdexcept>
-#include <string>
 
 namespace fpga_stereo::link {
 namespace {
 
-/// `Number` from its bytes, the lowest first.
+/// Reads a number from little-endian bytes.
 template <class Number>
 Number get(const std::uint8_t* bytes) {
   Number value = 0;
@@ -81,8 +82,8 @@ void append_packet(Header header, const std::uint8_t* payload, std::size_t size,
                    std::vector<std::uint8_t>& stream) {
   const std::size_t length = (size + 3) / 4 * 4;
   if (length > kMaxPayloadBytes) {
-    throw std::invalid_argument("payload is " + std::to_string(size) + " bytes, allowed: up to " +
-                                std::to_string(kMaxPayloadBytes));
+    throw std::invalid_argument(
+        fmt::format("payload has {} bytes; allowed are up to {}", size, kMaxPayloadBytes));
   }
   header.length = static_cast<std::uint16_t>(length);
   const std::size_t begin = stream.size();

@@ -1,8 +1,8 @@
-// The packets of the link, as bytes. fpga_fw/spec/link.md is the protocol for people.
+// Packs and unpacks the packets of the link. fpga_fw/spec/link.md describes the protocol.
 //
-// Everything goes over the link in packets: a header of 36 bytes, a payload, its CRC. Numbers are
-// little-endian. The places of sync, version, length and both CRCs never change, so that a version
-// that is not ours can still be told.
+// A packet is a header of 36 bytes, a payload, and the payload's CRC. Numbers are little-endian.
+// The places of sync, version, length and both CRCs never change, so that a packet of another
+// version is recognised as such.
 #pragma once
 
 #include <array>
@@ -39,7 +39,7 @@ enum class PacketType : std::uint8_t {
   kHeartbeat = kPacketHeartbeat,
 };
 
-/// What precedes the payload:
+/// The header of a packet:
 ///
 ///   offset  type  field
 ///    0      u32   kSync
@@ -54,9 +54,9 @@ enum class PacketType : std::uint8_t {
 ///   24      u64   timestamp  us of the board's clock; leader: mid-exposure, else: sent
 ///   32      u32   CRC-32C of the 32 bytes before
 ///
-/// Behind the payload: u32, CRC-32C of the header's CRC and the payload. So a payload is that of
-/// its header alone; a header, which ends with its own CRC, is never taken for the payload of
-/// another.
+/// The payload is followed by a u32, the CRC-32C of the header's CRC and the payload. This binds a
+/// payload to its header: a header, which ends with its own CRC, never passes for the payload of
+/// another packet.
 struct Header {
   std::uint8_t version = kVersion;
   PacketType type = PacketType::kHeartbeat;
@@ -69,10 +69,11 @@ struct Header {
   std::uint64_t timestamp = 0;
 };
 
-/// CRC-32C (Castagnoli): polynomial 0x1EDC6F41, reflected, starts as all ones, inverted at the end.
+/// Returns the CRC-32C (Castagnoli): polynomial 0x1EDC6F41, reflected, starts as all ones, inverted
+/// at the end.
 std::uint32_t crc32c(const std::uint8_t* bytes, std::size_t size);
 
-/// Little-endian numbers in bytes.
+/// Read and write little-endian numbers.
 std::uint16_t get_u16(const std::uint8_t* bytes);
 std::uint32_t get_u32(const std::uint8_t* bytes);
 std::uint64_t get_u64(const std::uint8_t* bytes);
@@ -82,16 +83,15 @@ void put_u64(std::uint8_t* bytes, std::uint64_t value);
 
 std::array<std::uint8_t, kHeaderBytes> pack(const Header& header);
 
-/// The CRC behind the payload of a packet that begins at `packet` and has `length` bytes of
-/// payload.
+/// Returns the payload CRC of a packet that begins at `packet` and has `length` bytes of payload.
 std::uint32_t payload_crc(const std::uint8_t* packet, std::size_t length);
 
-/// The header in kHeaderBytes bytes; none if sync or CRC are wrong, or length is not allowed. Type,
-/// stream and version may be ones that are not known.
+/// Unpacks a header from kHeaderBytes bytes. Returns nullopt if sync or CRC are wrong, or the
+/// length is not allowed. Type, stream and version may be unknown.
 std::optional<Header> unpack(const std::uint8_t* bytes);
 
-/// Appends a whole packet to `stream`. `header.length` is set from `payload`, which is filled up
-/// with zeros to a multiple of 4. Throws std::invalid_argument beyond kMaxPayloadBytes.
+/// Appends a packet to `stream`. Sets the header's length from the payload, which is padded with
+/// zeros to a multiple of 4 bytes. Throws std::invalid_argument if it exceeds kMaxPayloadBytes.
 void append_packet(Header header, const std::uint8_t* payload, std::size_t size,
                    std::vector<std::uint8_t>& stream);
 

@@ -1,5 +1,7 @@
 #include "link/request.hpp"
 
+#include <fmt/core.h>
+
 #include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
@@ -57,16 +59,16 @@ std::optional<std::vector<RegisterWrite>> unpack_registers(const Packet& packet)
 }
 
 std::string refusal_text(const Packet& packet) {
-  if (packet.header.length != 4) return "for no reason that it gives";
+  if (packet.header.length != 4) return "it gives no reason";
   switch (const std::uint32_t why = get_u32(packet.payload)) {
     case kRefusedVersion:
-      return "it does not know version " + std::to_string(kVersion) + " of the packets";
+      return fmt::format("it does not know packets of version {}", kVersion);
     case kRefusedType:
-      return "it does not know that request";
+      return "it does not know this type of request";
     case kRefusedLength:
-      return "the request has a length that is not allowed";
+      return "the length of the request is not allowed";
     default:
-      return "for reason " + std::to_string(why);
+      return fmt::format("reason {}", why);
   }
 }
 

@@ -1,4 +1,4 @@
-// What the host asks of a board, and what the board answers: fpga_fw/spec/link.md.
+// Packs requests to a board and unpacks its answers. fpga_fw/spec/link.md describes them.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +15,28 @@ constexpr std::size_t kMaxReads = kLinkMaxRequestRegisters;
 constexpr std::size_t kMaxWrites = kLinkMaxRequestRegisters;
 constexpr std::size_t kMaxNodes = kLinkMaxRequestNodes;
 
-/// A request without what the session adds: id and sequence number.
+/// A request. RequestQueue adds its id, Outbox its sequence number.
 struct Request {
   PacketType type = PacketType::kReadRegisters;
   std::vector<std::uint8_t> payload;
 };
 
-/// Reads registers at these word addresses: 1 to kMaxReads.
+/// Makes a request that reads registers at these word addresses: 1 to kMaxReads.
 Request read_request(const std::vector<std::uint32_t>& addresses);
-/// Writes registers in this order: 1 to kMaxWrites.
+/// Makes a request that writes registers in this order: 1 to kMaxWrites.
 Request write_request(const std::vector<RegisterWrite>& writes);
-/// Writes nodes [first, first + count) of a mesh, whose words are `mesh`: 1 to kMaxNodes of them.
+/// Makes a request that writes nodes [first, first + count) of a mesh: 1 to kMaxNodes. `mesh` holds
+/// the words of all nodes.
 Request mesh_request(bool right, const std::vector<std::uint32_t>& mesh, std::size_t first,
                      std::size_t count);
 
-/// What MESH_SIGNATURE shows behind that request.
+/// Returns what register MESH_SIGNATURE holds after that request.
 std::uint32_t mesh_signature(const std::vector<std::uint32_t>& mesh, std::size_t first,
                              std::size_t count);
 
-/// Address and value, from PacketType::kRegisters; none if it is no such answer.
+/// Unpacks addresses and values from a PacketType::kRegisters packet; nullopt if it is not one.
 std::optional<std::vector<RegisterWrite>> unpack_registers(const Packet& packet);
-/// Why the board refused, from PacketType::kRefused, for people.
+/// Returns a text for people about a PacketType::kRefused packet.
 std::string refusal_text(const Packet& packet);
 
 }  // namespace fpga_stereo::link

@@ -1,8 +1,9 @@
-// termios2, which takes any rate; its header and <termios.h> exclude each other.
+// Uses termios2, which accepts any rate. Its header excludes <termios.h>.
 #include "link/serial.hpp"
 
 #include <asm/termbits.h>
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <grp.h>
 #include <linux/serial.h>
 #include <poll.h>
@@ -26,7 +27,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A rate is made by division: further off than this, bytes are lost (UARTs stand about 4 %).
+/// Chips divide a clock to make a rate. UARTs tolerate an error of about 4 %.
 constexpr double kBaudTolerance = 0.03;
 
 class SerialTransport : public Transport {
@@ -49,7 +50,7 @@ class SerialTransport : public Transport {
  private:
   Error gone() const { return {ErrorKind::kUnplugged, path_ + " is gone: it was unplugged"}; }
   Error failure(int code, const char* what) const;
-  std::optional<Error> wait(short events, Clock::time_point until) const;
+  std::optional<Error> wait(short events, Clock::time_point deadline) const;
   std::uint64_t line_errors() const;
 
   const int file_;
@@ -67,16 +68,16 @@ Status SerialTransport::set_up() const {
   settings.c_lflag = 0;
   settings.c_cflag = BOTHER | (BOTHER << IBSHIFT) | CS8 | CREAD | CLOCAL;
   settings.c_ispeed = settings.c_ospeed = static_cast<speed_t>(baud_);
-  settings.c_cc[VMIN] = 1;  // so that reading nothing means the end
+  settings.c_cc[VMIN] = 1;  // a read of 0 bytes means that the line is gone
   settings.c_cc[VTIME] = 0;
   if (ioctl(file_, TCSETS2, &settings) != 0) return serial_error(errno, path_);
   if (ioctl(file_, TCGETS2, &settings) != 0) return serial_error(errno, path_);
   const double rate = settings.c_ospeed;
   if (rate < baud_ * (1 - kBaudTolerance) || rate > baud_ * (1 + kBaudTolerance)) {
-    return Error{ErrorKind::kIo, path_ + " cannot do " + std::to_string(baud_) +
-                                     " baud, the nearest is " + std::to_string(settings.c_ospeed)};
+    return Error{ErrorKind::kIo, fmt::format("{} does not support {} baud; the nearest rate is {}",
+                                             path_, baud_, settings.c_ospeed)};
   }
-  // A pty has no such lines.
+  // Fails on a pty, which has no modem lines.
   const int lines = TIOCM_DTR | TIOCM_RTS;
   ioctl(file_, TIOCMBIS, &lines);
   return {};
@@ -87,10 +88,10 @@ Error SerialTransport::failure(int code, const char* what) const {
   return {ErrorKind::kIo, path_ + " cannot be " + what + ": " + std::strerror(code)};
 }
 
-/// Until the line is ready or the time is over; an error if it is neither to be had.
-std::optional<Error> SerialTransport::wait(short events, Clock::time_point until) const {
+/// Blocks until the line is ready or the deadline has passed; returns an error if poll() fails.
+std::optional<Error> SerialTransport::wait(short events, Clock::time_point deadline) const {
   for (;;) {
-    const auto left = std::chrono::ceil<Timeout>(until - Clock::now()).count();
+    const auto left = std::chrono::ceil<Timeout>(deadline - Clock::now()).count();
     pollfd line{file_, events, 0};
     const int code = poll(&line, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 60'000)));
     if (code < 0 && errno != EINTR) return failure(errno, "waited for");
@@ -141,14 +142,14 @@ Status SerialTransport::recover(Recovery step) {
   if (ioctl(file_, TCFLSH, TCIOFLUSH) != 0) return failure(errno, "purged");
   if (step == Recovery::kPurge) return {};
   if (step == Recovery::kRestart) return set_up();
-  // All that can be done to what is at the other end.
+  // Toggling the modem lines is all that can be done to the device.
   const int lines = TIOCM_DTR | TIOCM_RTS;
   ioctl(file_, TIOCMBIC, &lines);
   gone_ = true;
   return {};
 }
 
-/// What the chip or the kernel lost; a pty cannot tell.
+/// Returns how often the chip or the kernel lost bytes; 0 for a pty.
 std::uint64_t SerialTransport::line_errors() const {
   serial_icounter_struct counts{};
   if (ioctl(file_, TIOCGICOUNT, &counts) != 0) return 0;
@@ -169,7 +170,7 @@ std::string group_of(const std::string& path) {
 std::string known_lines() {
   std::string text;
   for (const auto& line : list_serial()) text += (text.empty() ? "" : ", ") + line.name;
-  return text.empty() ? "none is there" : "there are: " + text;
+  return text.empty() ? "no serial lines found" : "found: " + text;
 }
 
 }  // namespace
@@ -180,11 +181,11 @@ Error serial_error(int code, const std::string& path) {
     case ENOENT:
     case ENXIO:
     case ENODEV:
-    case EIO:  // its device has just gone
-      return {ErrorKind::kNotFound, message + "; of serial lines " + known_lines()};
+    case EIO:  // its device was just unplugged
+      return {ErrorKind::kNotFound, message + "; " + known_lines()};
     case EBUSY:
     case EWOULDBLOCK:
-      return {ErrorKind::kBusy, path + " is in use by another program: end that one first"};
+      return {ErrorKind::kBusy, path + " is used by another program: stop that program first"};
     case EACCES:
     case EPERM: {
       const std::string group = group_of(path);
@@ -195,19 +196,19 @@ Error serial_error(int code, const std::string& path) {
                                          group + " $USER' and log in again")};
     }
     case ENOTTY:
-      return {ErrorKind::kIo, path + " is no serial line"};
+      return {ErrorKind::kIo, path + " is not a serial line"};
     default:
       return {ErrorKind::kIo, message};
   }
 }
 
 Result<std::unique_ptr<Transport>> open_serial(const std::string& path, int baud) {
-  // Without O_NONBLOCK, opening waits for a carrier.
+  // O_NONBLOCK, because open() otherwise waits for a carrier.
   const int file = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return serial_error(errno, path);
   auto transport = std::make_unique<SerialTransport>(file, path, baud);
   if (isatty(file) == 0) return serial_error(ENOTTY, path);
-  // The lock is for all programs that ask for it, TIOCEXCL for all others but root's.
+  // flock() keeps out programs that ask for the lock, TIOCEXCL all others except root's.
   if (flock(file, LOCK_EX | LOCK_NB) != 0) return serial_error(errno, path);
   if (ioctl(file, TIOCEXCL) != 0) return serial_error(errno, path);
   if (const Status set_up = transport->set_up(); !set_up) return set_up.error();

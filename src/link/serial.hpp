@@ -1,4 +1,4 @@
-// A board on a serial line: /dev/ttyUSB0, or whatever else the kernel shows as one.
+// Transport over a serial line, such as /dev/ttyUSB0.
 #pragma once
 
 #include <memory>
@@ -10,17 +10,17 @@
 
 namespace fpga_stereo::link {
 
-constexpr int kDefaultBaud = 1000000;  // what the board is built for
+constexpr int kDefaultBaud = 1000000;  // of the gateware
 
-/// Opens a line for this program alone: 8 bits, no parity, 1 stop bit, no flow control. `baud` may
-/// be any rate that the line's chip can make. Errors as of open_transport().
+/// Opens a serial line exclusively: 8 bits, no parity, 1 stop bit, no flow control. `baud` may be
+/// any rate that the line's chip supports. Fails as open_transport() does.
 Result<std::unique_ptr<Transport>> open_serial(const std::string& path, int baud = kDefaultBaud);
 
-/// Serial lines under `dev`: by their lasting names (serial/by-id) where there are such, else
-/// ttyUSB* and ttyACM*.
+/// Lists the serial lines under `dev`: those in serial/by-id, whose names are stable; if there are
+/// none, ttyUSB* and ttyACM*.
 std::vector<FoundDevice> list_serial(const std::string& dev = "/dev");
 
-/// What an errno of open() or of the set-up of a line means.
+/// Describes an errno that opening or setting up a serial line gave.
 Error serial_error(int code, const std::string& path);
 
 }  // namespace fpga_stereo::link

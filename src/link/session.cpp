@@ -127,7 +127,7 @@ std::string Session::trouble_text() const {
     case LinkTrouble::kConfiguring:
       return "the board is being configured";
     case LinkTrouble::kUnconfigurable:
-      return "the board waits for a configuration that it can hold";
+      return "no configuration for the board's build has been given";
     case LinkTrouble::kSilent:
     case LinkTrouble::kStalled:
       return watchdog_.trouble().text;

@@ -11,7 +11,7 @@ double TimeSync::since_reference(std::uint64_t board_us) const {
 
 bool TimeSync::add(double sent, std::uint64_t board_us, double received) {
   const double half = (received - sent) / 2;
-  if (half < 0 || half > kLongestHalf) return false;
+  if (half < 0 || half > kMaxHalf) return false;
   if (samples_.empty()) {
     board_reference_ = board_us;
     host_reference_ = sent + half;
@@ -19,7 +19,7 @@ bool TimeSync::add(double sent, std::uint64_t board_us, double received) {
   const Sample sample{since_reference(board_us), sent + half - host_reference_};
   if (!samples_.empty() && sample.board <= samples_.back().board) return false;
   samples_.push_back(sample);
-  if (samples_.size() > kSamples) samples_.pop_front();
+  if (samples_.size() > kMaxSamples) samples_.pop_front();
   shortest_half_ = std::min(shortest_half_, half);
   fit();
   return true;
@@ -39,10 +39,10 @@ void TimeSync::fit() {
     square += (s.board - board) * (s.board - board);
     product += (s.board - board) * (s.host - host);
   }
-  // Over a short time what the round trips are off by is more than the drift.
-  constexpr double kShortest = 5;  // s
-  const bool short_time = samples_.back().board - samples_.front().board < kShortest;
-  slope_ = short_time ? 1 : std::clamp(product / square, 1 - kMaxDrift, 1 + kMaxDrift);
+  // Over a short time the errors of the round trips exceed the drift.
+  constexpr double kMinSpan = 5;  // s
+  const bool is_short = samples_.back().board - samples_.front().board < kMinSpan;
+  slope_ = is_short ? 1 : std::clamp(product / square, 1 - kMaxDrift, 1 + kMaxDrift);
   offset_ = host - slope_ * board;
 }
 
@@ -50,11 +50,11 @@ std::optional<double> TimeSync::to_host(std::uint64_t board_us) {
   if (samples_.empty()) return std::nullopt;
   const double board = since_reference(board_us);
   double host = offset_ + slope_ * board;
-  if (given_ && board >= given_board_) host = std::max(host, given_host_);
-  if (!given_ || board > given_board_) {
-    given_board_ = board;
-    given_host_ = host;
-    given_ = true;
+  if (has_last_ && board >= last_board_) host = std::max(host, last_host_);
+  if (!has_last_ || board > last_board_) {
+    last_board_ = board;
+    last_host_ = host;
+    has_last_ = true;
   }
   return host_reference_ + host;
 }

@@ -1,5 +1,7 @@
 #include "fpga_stereo/link/transport.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -14,18 +16,18 @@
 namespace fpga_stereo::link {
 namespace {
 
-constexpr int kMostBaud = 100'000'000;
+constexpr int kMaxBaud = 100'000'000;
 
-Error no_name(const std::string& name, const std::string& why) {
+Error bad_name(const std::string& name, const std::string& why) {
   return {ErrorKind::kInvalid,
-          "'" + name + "' is no transport: " + why +
-              "; allowed: usb, usb:serial=NUMBER, usb:port=BUS-PORT, usb:match=REGEX, "
-              "serial:PATH[:BAUD], replay:FILE[:SPEED]"};
+          fmt::format("'{}' is not a transport: {}; allowed are usb, usb:serial=NUMBER, "
+                      "usb:port=BUS-PORT, usb:match=REGEX, serial:PATH[:BAUD], replay:FILE[:SPEED]",
+                      name, why)};
 }
 
 std::string scheme_of(const std::string& name) { return name.substr(0, name.find(':')); }
 
-/// A whole number or a decimal fraction, and nothing behind it.
+/// Parses a whole number or a decimal fraction; nullopt if anything else follows.
 std::optional<double> number(const std::string& text) {
   if (text.empty() || text.find_first_not_of("0123456789.") != std::string::npos) {
     return std::nullopt;
@@ -36,7 +38,8 @@ std::optional<double> number(const std::string& text) {
   return value;
 }
 
-/// "PATH:NUMBER". What exists as a path is one: some names in /dev/serial/by-path end in ":1.0".
+/// Splits "PATH:NUMBER". A text that exists as a path is not split: some names in
+/// /dev/serial/by-path end in ":1.0".
 std::pair<std::string, std::optional<double>> split_number(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   std::error_code failed;
@@ -65,11 +68,11 @@ Result<UsbSelection> parse_usb(const std::string& name, const std::string& rest)
   } else if (key == "match") {
     selection.by = UsbSelection::By::kMatch;
   } else {
-    return no_name(name, "'" + key + "' does not select a board");
+    return bad_name(name, "'" + key + "' does not select a board");
   }
-  if (selection.value.empty()) return no_name(name, key + " needs a value");
+  if (selection.value.empty()) return bad_name(name, key + " needs a value");
   if (key == "port" && !is_port(selection.value)) {
-    return no_name(name, "'" + selection.value + "' is no port such as 1-2.3");
+    return bad_name(name, "'" + selection.value + "' is not a port such as 1-2.3");
   }
   return selection;
 }
@@ -93,19 +96,19 @@ Result<std::unique_ptr<Transport>> open_transport(const std::string& name) {
   }
   if (scheme == "serial") {
     const auto [path, baud] = split_number(rest);
-    if (path.empty()) return no_name(name, "the path is missing");
+    if (path.empty()) return bad_name(name, "the path is missing");
     const double rate = baud.value_or(kDefaultBaud);
-    if (rate < 1 || rate > kMostBaud || rate != std::floor(rate)) {
-      return no_name(name, "the baud rate must be a whole number from 1 to 100000000");
+    if (rate < 1 || rate > kMaxBaud || rate != std::floor(rate)) {
+      return bad_name(name, "the baud rate must be a whole number from 1 to 100000000");
     }
     return open_serial(path, static_cast<int>(rate));
   }
   if (scheme == "replay") {
     const auto [path, speed] = split_number(rest);
-    if (path.empty()) return no_name(name, "the file is missing");
+    if (path.empty()) return bad_name(name, "the file is missing");
     return open_replay(path, speed.value_or(1));
   }
-  return no_name(name, "'" + scheme + "' is no kind of line");
+  return bad_name(name, "'" + scheme + "' is not a kind of transport");
 }
 
 std::shared_ptr<HotplugWatch> watch_for(const std::string& name) {

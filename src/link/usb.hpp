@@ -1,5 +1,5 @@
-// A board on USB: an FT232H (0403:6014) in synchronous 245 FIFO mode, by libusb. Nothing of libusb
-// is seen here.
+// Transport over USB: an FT232H (0403:6014) in synchronous 245 FIFO mode. This header does not
+// expose libusb.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ constexpr std::uint16_t kUsbVendor = 0x0403, kUsbProduct = 0x6014;
 
 struct UsbSelection {
   enum class By {
-    kFirst,   // by bus and port
+    kFirst,   // in the order of bus and port
     kSerial,  // the whole serial number
     kPort,    // bus and ports: 1-2.3
     kMatch,   // a regular expression (ECMAScript), found in serial number or product name
@@ -26,21 +26,22 @@ struct UsbSelection {
 };
 
 struct UsbOptions {
-  // A transfer ends when it is full or the chip has nothing more for latency_ms: the larger, the
-  // later the rows of a slow stream come. 64 KiB are 3.6 ms of disparity at 640 x 480, 30 f/s, and
-  // 16 of them bridge 25 ms at the 42 MB/s that the chip can do, in which the host may be busy.
+  // A transfer ends when it is full, or when the chip has had nothing to send for latency_ms.
+  // Larger transfers delay the rows of a slow stream: 64 KiB are 3.6 ms of disparity at 640 x 480,
+  // 30 f/s. While the host is busy, 16 of them buffer 25 ms at the chip's maximum of 42 MB/s.
   int transfers = 16;
   std::size_t transfer_bytes = 65536;  // rounded up to whole packets
-  /// What may wait for read(), transfers included: 100 ms at full speed. When it is full, nothing
-  /// more is asked for, and the board has to wait.
+  /// Memory for received bytes, transfers included: 100 ms at full speed. While it is full, no
+  /// transfer is submitted, and the board waits.
   std::size_t buffer_bytes = std::size_t{4} << 20;
-  int latency_ms = 2;  // of the chip, 1 to 255
+  int latency_ms = 2;  // the chip's latency timer, 1 to 255
 };
 
-/// Opens a board and starts its transfers. Errors as of open_transport().
+/// Opens a board and starts its transfers. Fails as open_transport() does.
 Result<std::unique_ptr<Transport>> open_usb(const UsbSelection& selection,
                                             const UsbOptions& options = {});
 
+/// Lists all FT232H devices.
 std::vector<FoundDevice> list_usb();
 
 }  // namespace fpga_stereo::link

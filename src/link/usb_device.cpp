@@ -1,5 +1,7 @@
 #include "link/usb_device.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -15,17 +17,17 @@ constexpr unsigned kRequestTimeout = 500;  // ms
 constexpr int kInterface = 0;
 constexpr std::uint8_t kReadEeprom = 0x90;
 
-/// A board that is plugged in.
+/// A device that is plugged in.
 struct Board {
   std::shared_ptr<libusb_device> device;
   std::string port;  // "1-2.3"
   std::string serial, product;
-  int open_error = 0;   // of libusb; serial and product are unknown then
-  std::string no_fifo;  // why it is no board, as far as that is known
+  int open_error = 0;            // of libusb; if not 0, serial and product are unknown
+  std::string rejection_reason;  // why the device is not a board; empty if that is unknown
 
   std::string text() const {
     if (open_error != 0) return "port " + port + " (" + libusb_error_name(open_error) + ")";
-    const std::string why = no_fifo.empty() ? "" : " (" + no_fifo + ")";
+    const std::string why = rejection_reason.empty() ? "" : " (" + rejection_reason + ")";
     return "serial number " + (serial.empty() ? "(none)" : serial) + " at port " + port + why;
   }
   std::string name() const {
@@ -60,7 +62,7 @@ std::vector<Board> find_boards(const UsbContext& context) {
     if (libusb_get_device_descriptor(list[i], &descriptor) != 0) continue;
     if (descriptor.idVendor != kUsbVendor || descriptor.idProduct != kUsbProduct) continue;
     Board board;
-    // The device lives no longer than its context.
+    // Keeps the context alive as long as the device.
     board.device = {libusb_ref_device(list[i]),
                     [context](libusb_device* device) { libusb_unref_device(device); }};
     board.port = port_of(list[i]);
@@ -95,27 +97,27 @@ bool is_selected(const Board& board, const UsbSelection& selection, const std::r
 }
 
 Error not_found(const UsbSelection& selection, const std::vector<Board>& boards) {
-  std::string wanted = "no USB board (FT232H, 0403:6014)";
-  if (selection.by == UsbSelection::By::kSerial) wanted += " with serial number ";
-  if (selection.by == UsbSelection::By::kPort) wanted += " at port ";
-  if (selection.by == UsbSelection::By::kMatch) wanted += " whose serial number or name matches ";
-  wanted += selection.value;
+  std::string message = "no USB board (FT232H, 0403:6014)";
+  if (selection.by == UsbSelection::By::kSerial) message += " with serial number ";
+  if (selection.by == UsbSelection::By::kPort) message += " at port ";
+  if (selection.by == UsbSelection::By::kMatch) message += " whose serial number or name matches ";
+  message += selection.value;
   if (boards.empty()) {
-    return {ErrorKind::kNotFound, wanted + ": none is there; is it plugged in and powered?"};
+    return {ErrorKind::kNotFound, message + " found: is it plugged in and powered?"};
   }
   std::string there;
-  int closed = 0;  // what they are called is unknown: one of them may be it
+  int open_error = 0;  // of a device whose name is therefore unknown: it may be the board
   for (const auto& board : boards) {
     there += (there.empty() ? "" : "; ") + board.text();
-    if (board.open_error != 0) closed = board.open_error;
+    if (board.open_error != 0) open_error = board.open_error;
   }
-  if (closed == LIBUSB_ERROR_ACCESS) {
-    return usb_error(closed, wanted + " among those that may be opened (" + there + ")");
+  if (open_error == LIBUSB_ERROR_ACCESS) {
+    return usb_error(open_error, message + " among those that may be opened (" + there + ")");
   }
-  return {ErrorKind::kNotFound, wanted + "; there are: " + there};
+  return {ErrorKind::kNotFound, message + "; found: " + there};
 }
 
-/// The endpoints of interface 0.
+/// Finds the endpoints of interface 0.
 Status find_endpoints(libusb_device* device, UsbDevice& opened) {
   libusb_config_descriptor* raw = nullptr;
   if (const int code = libusb_get_active_config_descriptor(device, &raw); code != 0) {
@@ -134,7 +136,7 @@ Status find_endpoints(libusb_device* device, UsbDevice& opened) {
       if (in) opened.packet = endpoint.wMaxPacketSize;
     }
   }
-  // Packets have two bytes of status: a chip whose packets are not longer sends nothing else.
+  // Each packet begins with two status bytes, so it must be longer than that.
   if (opened.in == 0 || opened.out == 0 || opened.packet < 8 || opened.packet > 1024) {
     return Error{ErrorKind::kIo,
                  opened.name + " does not have the two bulk endpoints of an FT232H"};
@@ -142,14 +144,14 @@ Status find_endpoints(libusb_device* device, UsbDevice& opened) {
   return {};
 }
 
-/// Word 0 of the EEPROM. Asks the device, not its interface: whoever has that keeps it.
+/// Reads word 0 of the EEPROM. Asks the device, not its interface, which its present driver keeps.
 Result<std::uint16_t> read_mode(const UsbDevice& device) {
   std::uint8_t word[2] = {};
   if (Status got = device.receive(kReadEeprom, 0, word, 2); !got) return got.error();
   return static_cast<std::uint16_t>(word[0] | word[1] << 8);
 }
 
-/// Not claimed.
+/// Opens a board without claiming its interface.
 Result<UsbDevice> open_board(const UsbContext& context, const Board& board) {
   UsbDevice opened;
   opened.context = context;
@@ -167,7 +169,7 @@ Result<UsbDevice> open_board(const UsbContext& context, const Board& board) {
 }
 
 Result<UsbDevice> claim(const UsbDevice& opened) {
-  // ftdi_sio, where it is bound, makes a serial line of the chip.
+  // Detaches ftdi_sio, which would drive the chip as a serial line.
   libusb_set_auto_detach_kernel_driver(opened.handle.get(), 1);
   if (const int code = libusb_claim_interface(opened.handle.get(), kInterface); code != 0) {
     return usb_error(code, opened.name + " cannot be claimed");
@@ -189,9 +191,9 @@ Error usb_error(int code, const std::string& what) {
   const std::string message = what + ": " + libusb_strerror(static_cast<libusb_error>(code));
   switch (code) {
     case LIBUSB_ERROR_NO_DEVICE:
-      return {ErrorKind::kUnplugged, message + "; it was unplugged, or has lost its power"};
+      return {ErrorKind::kUnplugged, message + "; it was unplugged or lost its power"};
     case LIBUSB_ERROR_BUSY:
-      return {ErrorKind::kBusy, message + "; another program uses it: end that one first"};
+      return {ErrorKind::kBusy, message + "; another program uses it: stop that program first"};
     case LIBUSB_ERROR_ACCESS:
       return {ErrorKind::kPermission,
               message +
@@ -209,8 +211,8 @@ Status UsbDevice::send(std::uint8_t request, std::uint16_t value, std::uint16_t 
       handle.get(), static_cast<std::uint8_t>(LIBUSB_REQUEST_TYPE_VENDOR) | LIBUSB_RECIPIENT_DEVICE,
       request, value, index, nullptr, 0, kRequestTimeout);
   if (code >= 0) return {};
-  return usb_error(code, name + " does not take request " + std::to_string(request) + " (value " +
-                             std::to_string(value) + ")");
+  return usb_error(code,
+                   fmt::format("{} does not accept request {} (value {})", name, request, value));
 }
 
 Status UsbDevice::receive(std::uint8_t request, std::uint16_t index, std::uint8_t* bytes,
@@ -221,7 +223,7 @@ Status UsbDevice::receive(std::uint8_t request, std::uint16_t index, std::uint8_
                                            request, 0, index, bytes, size, kRequestTimeout);
   if (code == size) return {};
   return usb_error(code < 0 ? code : LIBUSB_ERROR_IO,
-                   name + " does not answer request " + std::to_string(request));
+                   fmt::format("{} does not answer request {}", name, request));
 }
 
 Result<UsbDevice> open_usb_device(const UsbSelection& selection) {
@@ -230,8 +232,8 @@ Result<UsbDevice> open_usb_device(const UsbSelection& selection) {
     try {
       regex = std::regex(selection.value);
     } catch (const std::regex_error& error) {
-      return Error{ErrorKind::kInvalid,
-                   "'" + selection.value + "' is no regular expression: " + error.what()};
+      return Error{ErrorKind::kInvalid, fmt::format("'{}' is not a regular expression: {}",
+                                                    selection.value, error.what())};
     }
   }
   const auto context = make_usb_context();
@@ -241,14 +243,14 @@ Result<UsbDevice> open_usb_device(const UsbSelection& selection) {
     if (!is_selected(board, selection, regex)) continue;
     const auto opened = open_board(*context, board);
     if (!opened) return opened.error();
-    // Before it is claimed: other chips of this kind, serial adapters, keep their drivers.
+    // Checked before claiming, so that serial adapters with the same chip keep their drivers.
     const auto mode = read_mode(*opened);
     if (!mode) return mode.error();
     const bool first = selection.by == UsbSelection::By::kFirst;
     const Status fifo = check_fifo_mode(*mode, first ? "it" : opened->name);
     if (fifo) return claim(*opened);
     if (!first) return fifo.error();
-    board.no_fifo = fifo.error().message;
+    board.rejection_reason = fifo.error().message;
   }
   return not_found(selection, boards);
 }

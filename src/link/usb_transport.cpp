@@ -72,7 +72,7 @@ void UsbTransport::submit() {
          !failure_) {
     Buffer& buffer = *free_.front();
     if (const int code = libusb_submit_transfer(buffer.transfer.get()); code != 0) {
-      fail(code, " takes no transfer");
+      fail(code, " accepts no transfer");
       return;
     }
     free_.pop_front();
@@ -199,7 +199,7 @@ std::optional<std::size_t> UsbTransport::send(std::size_t size, Clock::time_poin
   libusb_fill_bulk_transfer(transfer, device_.handle.get(), device_.out, out_.bytes.data(),
                             static_cast<int>(size), &on_sent, &out_, 0);
   if (const int code = libusb_submit_transfer(transfer); code != 0) {
-    fail(code, " takes no transfer");
+    fail(code, " accepts no transfer");
     return std::nullopt;
   }
   out_.is_in_flight = true;
@@ -212,7 +212,7 @@ std::optional<std::size_t> UsbTransport::send(std::size_t size, Clock::time_poin
     while (out_.is_in_flight) {
       if (changed_.wait_until(mutex_, cancel_deadline)) continue;
       if (!out_.is_in_flight) break;
-      fail(LIBUSB_ERROR_TIMEOUT, " does not let go of a transfer");
+      fail(LIBUSB_ERROR_TIMEOUT, " does not release a transfer");
       return std::nullopt;
     }
   }
@@ -299,7 +299,7 @@ Status UsbTransport::recover(Recovery step) {
     return {};
   }
   if (!is_paused) {
-    return usb_error(LIBUSB_ERROR_TIMEOUT, device_.name + " does not let go of its transfers");
+    return usb_error(LIBUSB_ERROR_TIMEOUT, device_.name + " does not release its transfers");
   }
   for (const auto endpoint : {device_.in, device_.out}) {
     if (!clear_halt(endpoint)) break;

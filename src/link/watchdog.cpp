@@ -42,10 +42,10 @@ bool Watchdog::is_stalled(Time now, int frame_interval) const {
 std::optional<Trouble> Watchdog::check(Time now, bool is_streaming, int frame_interval) const {
   if (now < next_check_) return std::nullopt;
   if (now - last_packet_ > options_.silence) {
-    return Trouble{LinkTrouble::kSilent, "nothing comes from the board"};
+    return Trouble{LinkTrouble::kSilent, "the board sends nothing"};
   }
   if (is_streaming && is_stalled(now, frame_interval)) {
-    return Trouble{LinkTrouble::kStalled, "the board takes images, and no frame comes"};
+    return Trouble{LinkTrouble::kStalled, "the board takes images but sends no frames"};
   }
   return std::nullopt;
 }

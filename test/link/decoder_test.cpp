@@ -1,4 +1,4 @@
-// The decoder against every damage: what is intact comes out, and nothing else.
+// The decoder on damaged streams: it returns intact packets and nothing else.
 #include "link/decoder.hpp"
 
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@ using link::Header;
 
 struct Sent {
   Bytes whole;
-  Bytes bytes;  // without the CRC behind
+  Bytes bytes;  // without the payload CRC
 };
 
-/// A packet with random contents, appended to `stream`.
+/// Appends a packet with random contents to `stream`.
 Sent send(std::uint32_t sequence, std::size_t size, std::mt19937& random, Bytes& stream) {
   Header header;
   header.type = link::PacketType::kRows;
@@ -43,7 +43,7 @@ void take_out(Decoder& decoder, std::vector<Bytes>& out) {
   }
 }
 
-/// Gives `stream` in pieces of up to `piece` bytes; then falls silent.
+/// Feeds `stream` in pieces of up to `piece` bytes, then a silence.
 std::vector<Bytes> decode(Decoder& decoder, const Bytes& stream, std::size_t piece,
                           std::mt19937& random) {
   std::vector<Bytes> out;
@@ -62,7 +62,7 @@ std::vector<Bytes> decode(Decoder& decoder, const Bytes& stream, std::size_t pie
   return out;
 }
 
-TEST(Decoder, AnySplitOfTheStream) {
+TEST(Decoder, AcceptsAnySplitOfTheStream) {
   std::mt19937 random(1);
   Bytes stream;
   std::vector<Bytes> sent;
@@ -80,7 +80,7 @@ TEST(Decoder, AnySplitOfTheStream) {
   }
 }
 
-TEST(Decoder, LostPacketsAreCountedAcrossTheWrap) {
+TEST(Decoder, CountsLostPacketsAcrossTheWrap) {
   std::mt19937 random(2);
   Bytes stream;
   for (const std::uint32_t sequence : {0xFFFFFFFEU, 0xFFFFFFFFU, 2U, 3U, 3U, 1U, 4U}) {
@@ -91,7 +91,7 @@ TEST(Decoder, LostPacketsAreCountedAcrossTheWrap) {
   EXPECT_EQ(decoder.counters().lost_packets, 2U + 2U);  // 0 and 1; after 1 came late: 2 and 3
 }
 
-TEST(Decoder, SilenceEndsWhatLooksLikeALongPacket) {
+TEST(Decoder, SearchesAPartialPacketAfterASilence) {
   std::mt19937 random(3);
   Bytes stream;
   Header header;
@@ -110,7 +110,7 @@ TEST(Decoder, SilenceEndsWhatLooksLikeALongPacket) {
   EXPECT_EQ(decoder.counters().skipped_bytes, link::kHeaderBytes);
 }
 
-TEST(Decoder, AnUnknownVersionIsDelivered) {
+TEST(Decoder, DeliversPacketsOfAnUnknownVersion) {
   Bytes stream;
   Header header;
   header.version = 9;
@@ -123,9 +123,9 @@ TEST(Decoder, AnUnknownVersionIsDelivered) {
   EXPECT_EQ(packet->header.version, 9);
 }
 
-// The 36 bytes behind a header of 32 bytes of payload are lost: the header that follows ends with a
-// CRC of its own first 32 bytes.
-TEST(Decoder, AHeaderIsNoPayloadOfThePacketBefore) {
+// A packet loses its 32 bytes of payload and their CRC. The header that follows looks like them: it
+// ends with a CRC of its own first 32 bytes.
+TEST(Decoder, DoesNotTakeAHeaderForAPayload) {
   std::mt19937 random(6);
   Bytes stream;
   send(0, 32, random, stream);
@@ -135,18 +135,18 @@ TEST(Decoder, AHeaderIsNoPayloadOfThePacketBefore) {
   EXPECT_EQ(decode(decoder, stream, 1000, random), std::vector<Bytes>{sent});
 }
 
-// After any damage the next intact packet comes out, and no damaged one ever does.
-TEST(Decoder, AMillionDamages) {
+// After any damage the decoder finds the next intact packet, and never returns a damaged one.
+TEST(Decoder, RecoversFromAMillionDamages) {
   std::mt19937 random(4);
   constexpr int kDamages = 1000000, kPackets = 5;
   std::uint64_t delivered = 0;
   for (int damages = 0; damages < kDamages;) {
-    // Packets from `first` to `last` are hit, once or a few times.
+    // Damages packets `first` to `last`, once or a few times.
     const std::size_t first = random() % kPackets;
     const std::size_t last = first + random() % std::min<std::size_t>(2, kPackets - first);
     Bytes stream;
     std::vector<Bytes> sent;
-    Bytes whole;  // of the last that is hit
+    Bytes whole;  // the last damaged packet, before the damage
     std::vector<std::size_t> begins;
     for (std::uint32_t i = 0; i < kPackets; ++i) {
       begins.push_back(stream.size());
@@ -155,23 +155,24 @@ TEST(Decoder, AMillionDamages) {
       if (i <= last) whole = packet.whole;
     }
     begins.push_back(stream.size());
-    const std::size_t behind = stream.size() - begins[last + 1];
+    const std::size_t bytes_after = stream.size() - begins[last + 1];
     const int times = 1 + static_cast<int>(random() % 3);
-    for (int i = 0; i < times && stream.size() - behind > begins[first]; ++i, ++damages) {
-      damage(stream, begins[first], stream.size() - behind,
+    for (int i = 0; i < times && stream.size() - bytes_after > begins[first]; ++i, ++damages) {
+      damage(stream, begins[first], stream.size() - bytes_after,
              static_cast<Fault>(random() % kNumFaults), random);
     }
     Decoder decoder;
     const auto out = decode(decoder, stream, 1 + random() % 400, random);
-    // In order: all before, some of those that were hit, all behind. A doubled run may double one.
+    // Expects, in order: all packets before the damage, some of the damaged ones, all after it. A
+    // repeated run of bytes may repeat a packet.
     std::size_t at = 0;
     for (std::size_t i = 0; i < first; ++i, ++at) ASSERT_EQ(out.at(at), sent[i]) << damages;
-    // Where the last byte of a packet was lost and the sync word behind begins with the same one,
-    // nobody can tell which of the two packets is the intact one.
+    // If a packet loses its last byte and that equals the first byte of the next sync word, either
+    // of the two packets may count as the intact one.
     const auto found = std::search(stream.begin(), stream.end(), whole.begin(), whole.end());
     const bool borrows =
         found != stream.end() && stream.end() - found - static_cast<std::ptrdiff_t>(whole.size()) <
-                                     static_cast<std::ptrdiff_t>(behind);
+                                     static_cast<std::ptrdiff_t>(bytes_after);
     if (borrows) continue;
     std::size_t end = out.size();
     for (std::size_t i = kPackets - 1; i > last; --i) ASSERT_EQ(out.at(--end), sent[i]) << damages;

@@ -1,4 +1,4 @@
-// A device: threads, lines that are lost, requests of others.
+// A device with a virtual board: threads, lost transports, requests of users.
 #include "fpga_stereo/link/device.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using link::Session;
 using link::Stream;
 using std::chrono::milliseconds;
 
-/// A device on a board of software that two cameras feed.
+/// A device and a virtual board whose cameras deliver one pair again and again.
 class Rig {
  public:
   Rig() {
@@ -140,7 +140,7 @@ class Rig {
   std::thread feeder_;
 };
 
-TEST(Device, StreamsWhatIsWanted) {
+TEST(Device, DeliversTheDesiredStreams) {
   Rig rig;
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(10));
@@ -173,7 +173,7 @@ TEST(Device, SurvivesEveryUnplug) {
   EXPECT_GE(rig.device->snapshot().times_opened, 20U);
 }
 
-TEST(Device, SaysWhyThereIsNoBoard) {
+TEST(Device, ReportsWhyThereIsNoBoard) {
   Rig rig;
   rig.line.plug(false);
   ASSERT_TRUE(
@@ -183,10 +183,10 @@ TEST(Device, SaysWhyThereIsNoBoard) {
   EXPECT_EQ(answer.error().message, "no board is plugged in");
   std::this_thread::sleep_for(milliseconds(50));
   const auto notes = rig.notes();
-  EXPECT_EQ(std::count(notes.begin(), notes.end(), "no board is plugged in"), 1) << "said once";
+  EXPECT_EQ(std::count(notes.begin(), notes.end(), "no board is plugged in"), 1) << "reported once";
 }
 
-TEST(Device, TheWatchdogsStepsReachTheLine) {
+TEST(Device, PerformsTheStepsOfTheWatchdog) {
   Rig rig;
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(3));
@@ -200,7 +200,7 @@ TEST(Device, TheWatchdogsStepsReachTheLine) {
   EXPECT_EQ(rig.wrong(), 0);
 }
 
-TEST(Device, ResetOpensTheLineAnew) {
+TEST(Device, ResetReopensTheTransport) {
   Rig rig;
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(3));
@@ -210,7 +210,7 @@ TEST(Device, ResetOpensTheLineAnew) {
   ASSERT_TRUE(rig.wait_for_frames(3));
 }
 
-TEST(Device, AnswersOthersWhileItStreams) {
+TEST(Device, AnswersUsersWhileItStreams) {
   Rig rig;
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(3));
@@ -323,7 +323,7 @@ TEST(Device, IdentifiedAndClosedAlternate) {
   EXPECT_EQ(events.find("ic"), 0U) << events;
 }
 
-TEST(Device, LeavesABoardThatIsSilent) {
+TEST(Device, LeavesTheBoardSilent) {
   Rig rig;
   rig.want();
   ASSERT_TRUE(rig.wait_for_frames(3));
@@ -335,7 +335,7 @@ TEST(Device, LeavesABoardThatIsSilent) {
   for (int i = 0; i < 20; ++i) {
     const auto n = (*line)->read(bytes.data(), bytes.size(), milliseconds(5));
     ASSERT_TRUE(n);
-    came += i < 2 ? 0 : *n;  // what was on its way
+    came += i < 2 ? 0 : *n;  // bytes in flight
   }
   EXPECT_LT(came, 200U);
 }

@@ -1,4 +1,4 @@
-// What the injected faults do, exactly; and a board behind them.
+// The exact effect of injected faults, and a board behind a faulty line.
 #include "sim/virtual_board/fault_injector.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ Bytes packets(int count, std::size_t payload, unsigned seed = 1) {
   return stream;
 }
 
-/// Sequence numbers of the packets in it.
+/// Returns the sequence numbers of the packets in a stream.
 std::vector<std::uint32_t> sequences(const Bytes& bytes) {
   link::Decoder decoder;
   decoder.push(bytes.data(), bytes.size());
@@ -45,7 +45,7 @@ Bytes through(FaultInjector& injector, const Bytes& in) {
   return out;
 }
 
-/// One fault of a kind in ten packets.
+/// Injects one fault into ten packets.
 Bytes one(LineFault fault, std::uint64_t seed, std::uint64_t* done = nullptr) {
   FaultInjector injector({}, seed);
   injector.inject(fault, 1);
@@ -60,14 +60,14 @@ FaultInjector::Rates all_rates(double rate) {
   return rates;
 }
 
-TEST(FaultInjector, WithoutFaultsNothingChanges) {
+TEST(FaultInjector, ChangesNothingWithoutFaults) {
   FaultInjector injector({}, 1);
   const Bytes in = packets(20, 100);
   EXPECT_EQ(through(injector, in), in);
   EXPECT_EQ(injector.counts(), FaultInjector::Counts{});
 }
 
-TEST(FaultInjector, EachFaultOfAByteDoesWhatItSays) {
+TEST(FaultInjector, AppliesEachByteFault) {
   const Bytes in = packets(10, 6000);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::uint64_t done = 0;
@@ -92,7 +92,7 @@ TEST(FaultInjector, EachFaultOfAByteDoesWhatItSays) {
   }
 }
 
-TEST(FaultInjector, EachFaultOfAPacketDoesWhatItSays) {
+TEST(FaultInjector, AppliesEachPacketFault) {
   using Numbers = std::vector<std::uint32_t>;
   const Numbers in = sequences(packets(10, 6000));
   const std::size_t packet = packets(1, 6000).size();
@@ -131,7 +131,7 @@ TEST(FaultInjector, EachFaultOfAPacketDoesWhatItSays) {
   EXPECT_GT(swaps, 15);
 }
 
-TEST(FaultInjector, WhatIsNoPacketPassesWhilePacketsAreLookedFor) {
+TEST(FaultInjector, PassesOtherBytesWhileItSearchesForPackets) {
   Bytes in(100, 0xD5);
   const Bytes stream = packets(3, 700);
   in.insert(in.end(), stream.begin(), stream.end() - 5);
@@ -140,8 +140,8 @@ TEST(FaultInjector, WhatIsNoPacketPassesWhilePacketsAreLookedFor) {
   EXPECT_EQ(through(injector, in), in);
 }
 
-TEST(FaultInjector, HowTheBytesWereSplitDoesNotMatter) {
-  Bytes in(100, 0xD5);  // no packet, and what looks like the start of one
+TEST(FaultInjector, DoesNotDependOnTheSplitOfTheBytes) {
+  Bytes in(100, 0xD5);  // not packets, but each byte looks like the start of one
   const Bytes stream = packets(300, 700);
   in.insert(in.end(), stream.begin(), stream.end());
   FaultInjector whole(all_rates(200), 7);
@@ -162,7 +162,7 @@ TEST(FaultInjector, HowTheBytesWereSplitDoesNotMatter) {
   EXPECT_NE(through(other, in), expected);
 }
 
-TEST(FaultInjector, AsOftenAsItsRateSays) {
+TEST(FaultInjector, KeepsItsRate) {
   FaultInjector::Rates rates{};
   rates[static_cast<std::size_t>(LineFault::kFlip)] = 100;
   rates[static_cast<std::size_t>(LineFault::kLose)] = 50;
@@ -176,7 +176,7 @@ TEST(FaultInjector, AsOftenAsItsRateSays) {
   EXPECT_EQ(counts[static_cast<std::size_t>(LineFault::kDrop)], 0U);
 }
 
-TEST(FaultInjector, APacketWaitsForItsEndOrForSilence) {
+TEST(FaultInjector, HoldsAPacketUntilItsEndOrASilence) {
   FaultInjector::Rates rates{};
   rates[static_cast<std::size_t>(LineFault::kLose)] = 1e-6;
   FaultInjector injector(rates, 1);
@@ -195,7 +195,7 @@ TEST(FaultInjector, APacketWaitsForItsEndOrForSilence) {
   EXPECT_FALSE(injector.has_pending());
 }
 
-TEST(FaultInjector, Names) {
+TEST(FaultInjector, HasNames) {
   for (int i = 0; i < sim::kNumLineFaults; ++i) {
     const auto fault = static_cast<LineFault>(i);
     EXPECT_EQ(sim::find_line_fault(sim::name(fault)), fault);
@@ -203,11 +203,11 @@ TEST(FaultInjector, Names) {
   EXPECT_FALSE(sim::find_line_fault("flips"));
 }
 
-// A board behind a line with faults: time is what run() says.
+// A board behind a faulty line, in simulated time.
 
 class FaultyBoardTest : public testing::Test {
  protected:
-  /// Says `size` bytes at once when asked, and takes what it is told to.
+  /// Sends `size` bytes at once on demand, and accepts as many as it is told to.
   struct Plain : sim::Board {
     void reset() override { ++resets; }
     std::size_t receive(const std::uint8_t* bytes, std::size_t size) override {
@@ -246,7 +246,7 @@ class FaultyBoardTest : public testing::Test {
   std::unique_ptr<sim::FaultyBoard> board;
 };
 
-TEST_F(FaultyBoardTest, AStallHoldsBothWaysAndLosesNothing) {
+TEST_F(FaultyBoardTest, AStallHoldsBothDirectionsAndLosesNothing) {
   make({});
   plain->has = 500;
   board->stall(std::chrono::milliseconds(30));
@@ -261,7 +261,7 @@ TEST_F(FaultyBoardTest, AStallHoldsBothWaysAndLosesNothing) {
   EXPECT_EQ(board->counts().stalls, 1U);
 }
 
-TEST_F(FaultyBoardTest, ASlowHostTakesWhatItsRateAllows) {
+TEST_F(FaultyBoardTest, LimitsTheRateOfASlowHost) {
   sim::FaultyBoard::Options options;
   options.bytes_per_s = 100000;
   make(options);
@@ -274,7 +274,7 @@ TEST_F(FaultyBoardTest, ASlowHostTakesWhatItsRateAllows) {
   EXPECT_EQ(taken, 10000U);
 }
 
-TEST_F(FaultyBoardTest, AResetCutsWhatIsOnItsWay) {
+TEST_F(FaultyBoardTest, AResetDropsBytesInFlight) {
   make({});
   board->reset_soon();
   EXPECT_EQ(take(), 0U);
@@ -288,7 +288,7 @@ TEST_F(FaultyBoardTest, AResetCutsWhatIsOnItsWay) {
   EXPECT_EQ(board->counts().resets, 2U);
 }
 
-TEST_F(FaultyBoardTest, ABusyBoardHoldsTheHostUp) {
+TEST_F(FaultyBoardTest, ABusyBoardMakesTheHostWait) {
   make({});
   plain->takes = 0;
   std::size_t given = 0;
@@ -300,7 +300,7 @@ TEST_F(FaultyBoardTest, ABusyBoardHoldsTheHostUp) {
   EXPECT_EQ(plain->got.size(), given);
 }
 
-TEST_F(FaultyBoardTest, NobodyListens) {
+TEST_F(FaultyBoardTest, CountsBytesThatNobodyReads) {
   make({});
   plain->has = 300;
   board->discard();

@@ -1,4 +1,4 @@
-// What USB and serial lines do to bytes.
+// Damages bytes as USB and serial lines do.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,14 @@ enum class Fault {
   kByteDoubled,
   kRunLost,  // up to 600 bytes
   kRunDoubled,
-  kGarbage,     // random bytes put in between
+  kGarbage,     // random bytes are inserted
   kFakeSync,    // a sync word and random bytes
   kFakeHeader,  // an intact header without its payload
-  kZeros,       // bytes that become 0
+  kZeros,       // some bytes become 0
 };
 constexpr int kNumFaults = 10;
 
-/// Does it to `bytes`, somewhere from `begin` to `end`. What lies outside is only moved.
+/// Applies the fault to `bytes` somewhere in [begin, end). Bytes outside are moved at most.
 void damage(Bytes& bytes, std::size_t begin, std::size_t end, Fault fault, std::mt19937& random);
 
 }  // namespace fpga_stereo::test

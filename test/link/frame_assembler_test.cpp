@@ -1,4 +1,4 @@
-// Frames out of packets: whole, or not called whole.
+// Assembling frames: a frame is exactly what was sent, or it is not called good.
 #include "link/frame_assembler.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ cv::Mat random_frame(cv::Size size, int type, unsigned seed) {
   return image;
 }
 
-/// A frame's packets, each on its own: leader, rows, trailer.
+/// Returns a frame's packets one by one: leader, rows, trailer.
 std::vector<Bytes> packets(const cv::Mat& image, std::uint64_t frame_id, int rows_each = 1,
                            std::uint32_t flags = 0, Stream stream = Stream::kNone) {
   const bool wide = image.depth() == CV_16U;
@@ -78,7 +78,7 @@ std::vector<AssembledFrame> assemble(FrameAssembler& assembler, const std::vecto
   return out;
 }
 
-TEST(FrameAssembler, FramesOfEveryKind) {
+TEST(FrameAssembler, AssemblesFramesOfEveryStream) {
   for (const int type : {CV_8UC1, CV_16UC1}) {
     for (const cv::Size size : {cv::Size(16, 1), cv::Size(17, 5), cv::Size(23, 12)}) {
       for (const int rows_each : {1, 3}) {
@@ -96,7 +96,7 @@ TEST(FrameAssembler, FramesOfEveryKind) {
   }
 }
 
-TEST(FrameAssembler, StreamsInterleave) {
+TEST(FrameAssembler, AcceptsInterleavedStreams) {
   FrameAssembler assembler;
   const cv::Mat disparity = random_frame({20, 6}, CV_16UC1, 1);
   const cv::Mat left = random_frame({20, 6}, CV_8UC1, 2);
@@ -112,7 +112,7 @@ TEST(FrameAssembler, StreamsInterleave) {
   EXPECT_TRUE(same("frame", left, out[1].image));
 }
 
-TEST(FrameAssembler, MissingRows) {
+TEST(FrameAssembler, DropsOrMarksFramesThatLackRows) {
   const cv::Mat image = random_frame({20, 6}, CV_16UC1, 1);
   auto sent = packets(image, 7);
   sent.erase(sent.begin() + 2, sent.begin() + 4);  // rows 1 and 2
@@ -132,13 +132,13 @@ TEST(FrameAssembler, MissingRows) {
   EXPECT_TRUE(same("frame", expected, out[0].image));
   EXPECT_EQ(lenient.counters().incomplete, 1U);
 
-  // A grey image has no value for "none".
+  // A grey image cannot mark missing pixels.
   auto grey = packets(random_frame({20, 6}, CV_8UC1, 1), 8);
   grey.erase(grey.begin() + 1);
   EXPECT_EQ(assemble(lenient, grey).at(0).verdict, Verdict::kRowsMissing);
 }
 
-TEST(FrameAssembler, LostTrailerAndLostLeader) {
+TEST(FrameAssembler, HandlesALostTrailerAndALostLeader) {
   FrameAssembler assembler;
   const auto first = packets(random_frame({20, 3}, CV_16UC1, 1), 1);
   auto sent = std::vector<Bytes>(first.begin(), first.end() - 1);
@@ -153,14 +153,14 @@ TEST(FrameAssembler, LostTrailerAndLostLeader) {
   EXPECT_EQ(assembler.counters().refused_packets, 4U);  // of the third
 }
 
-TEST(FrameAssembler, RowsOfAnotherFrameAreNotTaken) {
+TEST(FrameAssembler, RefusesRowsOfAnotherFrame) {
   FrameAssembler assembler;
   auto sent = packets(random_frame({20, 3}, CV_16UC1, 1), 1);
   sent[2] = packets(random_frame({20, 3}, CV_16UC1, 2), 2)[2];
   EXPECT_EQ(assemble(assembler, sent).at(0).verdict, Verdict::kRowsMissing);
 }
 
-TEST(FrameAssembler, DoubledPackets) {
+TEST(FrameAssembler, ToleratesRepeatedPackets) {
   FrameAssembler assembler;
   const cv::Mat image = random_frame({20, 3}, CV_16UC1, 1);
   std::vector<Bytes> sent;
@@ -170,12 +170,12 @@ TEST(FrameAssembler, DoubledPackets) {
   EXPECT_TRUE(same("frame", image, out[0].image));
 }
 
-TEST(FrameAssembler, FramesThatTheBoardCallsBad) {
+TEST(FrameAssembler, DropsFramesThatTheBoardFlags) {
   const cv::Mat image = random_frame({20, 3}, CV_16UC1, 1);
   const std::pair<std::uint32_t, const char*> cases[] = {
       {link::kCutFrame, "the camera's frame was cut"},
       {link::kLongFrame, "the camera's frame was too long"},
-      {link::kBufferError, "the rectification reads beyond the line buffer"},
+      {link::kBufferError, "the rectification reads outside the line buffer"},
       {link::kOverrun, "the link was too slow"},
       {64, "flags 64"},
   };
@@ -188,8 +188,8 @@ TEST(FrameAssembler, FramesThatTheBoardCallsBad) {
   }
 }
 
-TEST(FrameAssembler, ASignatureThatIsNotTheBoards) {
-  // Two rows that changed places, each intact.
+TEST(FrameAssembler, DropsFramesWithAnotherSignature) {
+  // Two intact rows have changed places.
   FrameAssembler assembler;
   auto sent = packets(random_frame({20, 3}, CV_16UC1, 1), 1);
   const auto other = packets(random_frame({20, 3}, CV_16UC1, 2), 1);
@@ -197,10 +197,10 @@ TEST(FrameAssembler, ASignatureThatIsNotTheBoards) {
   const auto out = assemble(assembler, sent);
   ASSERT_EQ(out.size(), 1U);
   EXPECT_TRUE(out[0].is_dropped());
-  EXPECT_EQ(out[0].text(), "disparity frame 1 dropped: its signature is not the board's");
+  EXPECT_EQ(out[0].text(), "disparity frame 1 dropped: its signature does not match");
 }
 
-TEST(FrameAssembler, ImpossibleContentsAreRefused) {
+TEST(FrameAssembler, RefusesImpossibleContents) {
   const auto refused = [](const Header& header, const Bytes& payload) {
     FrameAssembler assembler;
     auto sent = packets(random_frame({20, 3}, CV_16UC1, 1), 1);
@@ -253,7 +253,7 @@ TEST(FrameAssembler, ImpossibleContentsAreRefused) {
   EXPECT_TRUE(try_leader(wrong));
 }
 
-TEST(FrameAssembler, ALostLinkEndsTheFramesUnderWay) {
+TEST(FrameAssembler, ALostLinkEndsTheFramesInFlight) {
   FrameAssembler assembler;
   auto sent = packets(random_frame({20, 3}, CV_16UC1, 1), 1);
   sent.pop_back();
@@ -266,7 +266,7 @@ TEST(FrameAssembler, ALostLinkEndsTheFramesUnderWay) {
   EXPECT_EQ(out.size(), 1U);
 }
 
-// No damage of the bytes makes a frame that was not sent.
+// However the bytes are damaged, a good frame is one that was sent.
 TEST(FrameAssembler, DamagedStreamsGiveGoodFramesOrNone) {
   std::mt19937 random(9);
   int good = 0, bad = 0;

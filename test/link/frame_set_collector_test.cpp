@@ -54,21 +54,21 @@ TEST(FrameSetCollector, WaitForEveryStream) {
   EXPECT_TRUE(s.out[0].image(Stream::kRawLeft).empty());
 }
 
-TEST(FrameSetCollector, ADroppedFrameEndsToo) {
+TEST(FrameSetCollector, CompleteWithDroppedFrames) {
   Sets s;
   s.end(Stream::kDisparity, 7, kTwo, Verdict::kBadSignature);
   s.end(Stream::kRectifiedLeft, 7, kTwo);
   ASSERT_EQ(s.out.size(), 1U);
   EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
-  EXPECT_EQ(s.out[0].dropped, std::vector<std::string>{
-                                  "disparity frame 7 dropped: its signature is not the board's"});
+  EXPECT_EQ(s.out[0].dropped,
+            std::vector<std::string>{"disparity frame 7 dropped: its signature does not match"});
 }
 
-TEST(FrameSetCollector, RawImagesAreWaitedForWhereTheyHaveBegun) {
+TEST(FrameSetCollector, WaitForRawImagesThatHaveBegun) {
   Sets s;
   s.end(Stream::kRectifiedLeft, 1, kWithRaw);
   s.end(Stream::kDisparity, 1, kWithRaw);
-  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1})) << "this pair has none";
+  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1})) << "no raw images accompany this pair";
   s.sets.begin(Stream::kRawLeft, 2);
   s.end(Stream::kRectifiedLeft, 2, kWithRaw);
   s.end(Stream::kDisparity, 2, kWithRaw);
@@ -78,7 +78,7 @@ TEST(FrameSetCollector, RawImagesAreWaitedForWhereTheyHaveBegun) {
   EXPECT_FALSE(s.out[1].image(Stream::kRawLeft).empty());
 }
 
-TEST(FrameSetCollector, RawImagesAloneMakeASet) {
+TEST(FrameSetCollector, MayConsistOfRawImagesOnly) {
   Sets s;
   constexpr StreamSet kRaw{Stream::kRawLeft, Stream::kRawRight};
   s.end(Stream::kRawLeft, 1, kRaw);
@@ -87,18 +87,18 @@ TEST(FrameSetCollector, RawImagesAloneMakeASet) {
   EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1}));
 }
 
-TEST(FrameSetCollector, ComeInTheOrderOfTheirFramesAcrossTheWrap) {
+TEST(FrameSetCollector, KeepTheOrderOfFramesAcrossTheWrap) {
   Sets s;
   const std::uint64_t last = ~std::uint64_t{0};
   s.end(Stream::kRectifiedLeft, last, kTwo);
   s.end(Stream::kRectifiedLeft, 0, kTwo);
   s.end(Stream::kDisparity, 0, kTwo);
-  EXPECT_TRUE(s.out.empty()) << "the one before is under way";
+  EXPECT_TRUE(s.out.empty()) << "the last set is in flight";
   s.end(Stream::kDisparity, last, kTwo);
   EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{last, 0}));
 }
 
-TEST(FrameSetCollector, ALostFrameHoldsNothingUpForLong) {
+TEST(FrameSetCollector, DoNotWaitLongForALostFrame) {
   Sets s;
   for (std::uint64_t id = 1; id <= 5; ++id) {
     s.end(Stream::kRectifiedLeft, id, kTwo);
@@ -108,7 +108,7 @@ TEST(FrameSetCollector, ALostFrameHoldsNothingUpForLong) {
   EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
 }
 
-TEST(FrameSetCollector, ImagesOfOnePairHaveOneSize) {
+TEST(FrameSetCollector, DropImagesOfAnotherSize) {
   Sets s;
   s.end(Stream::kRectifiedLeft, 7, kTwo);
   AssembledFrame other = frame(Stream::kDisparity, 7);
@@ -122,7 +122,7 @@ TEST(FrameSetCollector, ImagesOfOnePairHaveOneSize) {
             "disparity frame 7 dropped: another image of its pair has another size");
 }
 
-TEST(FrameSetCollector, AResetGivesWhatIsThere) {
+TEST(FrameSetCollector, AreReturnedIncompleteByReset) {
   Sets s;
   s.end(Stream::kDisparity, 3, kTwo);
   s.sets.reset(s.out);

@@ -7,7 +7,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-/// Byte by byte, another way than the code's.
+/// Strips the status bytes one by one, unlike the code under test.
 Bytes payload_of(const Bytes& transfer, std::size_t packet) {
   Bytes payload;
   for (std::size_t i = 0; i < transfer.size(); ++i) {
@@ -22,7 +22,7 @@ TEST(Ftdi, StripsStatusOfTransfersOfAllSizes) {
       Bytes transfer(size);
       for (std::size_t i = 0; i < size; ++i)
         transfer[i] = static_cast<std::uint8_t>(i * 7 + i / 256);
-      // No overruns but where they belong.
+      // Only status bytes may set the overrun bit.
       for (std::size_t i = 1; i < size; i += packet) transfer[i] = 0x60;
       const Bytes expected = payload_of(transfer, packet);
       const auto stripped = link::strip_status(transfer.data(), size, packet);
@@ -42,7 +42,7 @@ TEST(Ftdi, CountsOverruns) {
   EXPECT_EQ(link::strip_status(transfer.data(), transfer.size(), 512).overruns, 2U);
 }
 
-TEST(Ftdi, KnowsTheModes) {
+TEST(Ftdi, ChecksTheModeInTheEeprom) {
   EXPECT_TRUE(link::check_fifo_mode(0x0001, "it"));
   EXPECT_TRUE(link::check_fifo_mode(0x0811, "it"));  // with its driver and other bits
   for (const int word : {0x0000, 0x0002, 0x0004, 0x0008, 0x0810, 0xFFFF}) {

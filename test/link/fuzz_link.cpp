@@ -1,6 +1,6 @@
-// libFuzzer target: the decoder and the frame assembler, which read what a hostile device sends.
-// The first byte says whether the rest are bytes of the link or packets with right CRCs, which no
-// fuzzer guesses. To be run by test/fuzz.
+// libFuzzer target for the decoder and the frame assembler. The first byte of the input selects
+// whether the rest is a byte stream or the contents of packets with right CRCs, which a fuzzer
+// cannot guess. Run by test/fuzz.
 #include <algorithm>
 #include <cstdlib>
 
@@ -14,7 +14,7 @@ using fpga_stereo::link::Decoder;
 using fpga_stereo::link::FrameAssembler;
 using fpga_stereo::link::Header;
 
-/// 8 bytes each: type, stream, index, size, frame_id; then the payload.
+/// Makes packets from the input: 8 bytes for type, stream, index, size, frame_id; then the payload.
 std::vector<std::uint8_t> packets(const std::uint8_t* data, std::size_t size) {
   std::vector<std::uint8_t> stream;
   while (size >= 8) {
@@ -61,7 +61,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     take_out();
   }
   assembler.reset(frames);
-  // Every byte is in a packet or skipped, and no frame comes out that cannot be.
+  // Every byte must be in a packet or skipped, and every frame must be possible.
   if (in_packets + decoder.counters().skipped_bytes != stream.size()) std::abort();
   for (const AssembledFrame& frame : frames) {
     if (frame.verdict == link::FrameVerdict::kGood && (frame.flags != 0 || frame.missing_rows != 0))

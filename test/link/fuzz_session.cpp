@@ -1,6 +1,6 @@
-// libFuzzer target: a session, which believes what a board answers. The input is a program of a
-// byte and its operands: the board of software answers what was asked, or packets with right CRCs
-// and any contents come in between, or time passes, or the line is lost. To be run by test/fuzz.
+// libFuzzer target for a session. The input is a list of commands, one byte and operands each: the
+// virtual board answers, packets with right CRCs and any contents arrive, time passes, or the link
+// is lost. Run by test/fuzz.
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
@@ -18,7 +18,7 @@ using fpga_stereo::link::StreamSet;
 using fpga_stereo::test::SessionRig;
 
 constexpr StreamSet kStreams = StreamSet::all() - Stream::kInput;
-constexpr std::size_t kMostOutgoing = 8192;  // bytes: a request, some of them again
+constexpr std::size_t kMaxOutgoing = 8192;  // bytes: one request with its retries
 
 class Program {
  public:
@@ -35,7 +35,7 @@ class Program {
   std::size_t size_;
 };
 
-/// A packet of the board with contents of the program.
+/// Makes a packet of the board from the input.
 std::vector<std::uint8_t> packet(Program& program) {
   Header header;
   const std::uint8_t kinds[] = {0x81, 0x82, 0x83, 0x84, 0x10, 0x11, 0x12, program.next()};
@@ -56,8 +56,8 @@ void require(bool what) {
   if (!what) std::abort();
 }
 
-/// Whatever the board says: images of their stream's type, all of a set of one size, made by what
-/// was wanted.
+/// Checks that the images of a set have their stream's type and one size, and that a configuration
+/// of the host made them.
 void check(const link::ReceivedFrames& received, const std::set<std::uint64_t>& tags) {
   require(tags.count(received.tag) != 0);
   std::optional<cv::Size> size;
@@ -71,7 +71,7 @@ void check(const link::ReceivedFrames& received, const std::set<std::uint64_t>& 
   }
 }
 
-/// Nobody waits for an answer for ever.
+/// Checks that a lost link answers every pending request.
 void check_lost_line(Session& session, int& unanswered) {
   session.ask(fpga_stereo::link::read_request({0}), [&](const auto&) { --unanswered; });
   ++unanswered;
@@ -132,7 +132,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         ++unanswered;
         break;
     }
-    require(rig.session.outgoing().size() <= kMostOutgoing);
+    require(rig.session.outgoing().size() <= kMaxOutgoing);
   }
   check_lost_line(rig.session, unanswered);
   for (auto& r : rig.session.take_received()) rig.received.push_back(std::move(r));

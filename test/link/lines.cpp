@@ -59,7 +59,7 @@ void Wire::clear() {
 
 namespace {
 
-/// What a transport is, without a line.
+/// A transport over memory.
 struct Memory {
   std::mutex mutex;
   std::condition_variable changed;
@@ -153,7 +153,7 @@ class MemoryLine : public Line {
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
 };
 
-/// The far end is the pty's master.
+/// A serial line; the master of a pty is its far end.
 class PtyLine : public Line {
  public:
   PtyLine() { plug(); }

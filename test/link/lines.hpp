@@ -1,4 +1,4 @@
-// Lines for the tests of transports: the far end, and what happens to it.
+// Lines for the tests of transports: devices at the far end that can be fed, held and unplugged.
 #pragma once
 
 #include <condition_variable>
@@ -13,12 +13,13 @@
 
 namespace fpga_stereo::test {
 
-/// Bytes on their way, for two threads.
+/// A thread-safe queue of bytes.
 class Wire {
  public:
   void push(const std::uint8_t* bytes, std::size_t size);
   std::size_t pop(std::uint8_t* bytes, std::size_t size);
-  /// `size` bytes, once they have come; fewer after five seconds without.
+  /// Takes `size` bytes; blocks until they have arrived. Returns fewer after five seconds without
+  /// any.
   Bytes wait(std::size_t size);
   std::size_t size() const;
   void clear();
@@ -27,19 +28,19 @@ class Wire {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Bytes bytes_;
-  std::size_t at_ = 0;  // the first that has not been taken
+  std::size_t at_ = 0;  // first byte not taken yet
 };
 
-/// A device and the line to it, plugged in.
+/// A device and the line to it; plugged in at first.
 class Line {
  public:
   virtual ~Line() = default;
   virtual Result<std::unique_ptr<link::Transport>> open() = 0;
-  /// To the host; does not wait.
+  /// Sends bytes to the host without blocking.
   virtual void send(const Bytes& bytes) = 0;
-  /// From the host: as Wire::wait().
+  /// Takes bytes from the host; blocks as Wire::wait() does.
   virtual Bytes take(std::size_t size) = 0;
-  /// Whether the device takes what the host sends.
+  /// Lets the device accept or refuse bytes of the host.
   virtual void listen(bool on) = 0;
   virtual void unplug() = 0;
   virtual void plug() = 0;

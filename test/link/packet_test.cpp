@@ -1,4 +1,4 @@
-// Packets, byte by byte.
+// Packing and unpacking of packets, byte by byte.
 #include "link/packet.hpp"
 
 #include <gtest/gtest.h>
@@ -8,13 +8,13 @@
 namespace fpga_stereo::link {
 namespace {
 
-TEST(Crc32c, CheckValueOfTheCatalogue) {
+TEST(Crc32c, HasTheCheckValueOfTheCatalogue) {
   const std::string text = "123456789";
   EXPECT_EQ(crc32c(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()), 0xE3069283U);
   EXPECT_EQ(crc32c(nullptr, 0), 0U);
 }
 
-TEST(Packet, HeaderBytes) {
+TEST(Packet, PutsEachFieldInItsPlace) {
   Header header;
   header.type = PacketType::kRows;
   header.stream = Stream::kDisparity;
@@ -32,7 +32,7 @@ TEST(Packet, HeaderBytes) {
   EXPECT_EQ(get_u32(&bytes[32]), crc32c(bytes.data(), 32));
 }
 
-TEST(Packet, UnpackGivesWhatWasPacked) {
+TEST(Packet, UnpackReversesPack) {
   Header header;
   header.version = 7;
   header.type = static_cast<PacketType>(0x77);
@@ -56,7 +56,7 @@ TEST(Packet, UnpackGivesWhatWasPacked) {
   EXPECT_EQ(found->timestamp, header.timestamp);
 }
 
-TEST(Packet, AnyBitOfAHeaderMatters) {
+TEST(Packet, RefusesAHeaderWithAnyBitFlipped) {
   const auto right = pack(Header{});
   for (std::size_t bit = 0; bit < 8 * right.size(); ++bit) {
     auto wrong = right;
@@ -65,7 +65,7 @@ TEST(Packet, AnyBitOfAHeaderMatters) {
   }
 }
 
-TEST(Packet, LengthsThatAreNotAllowed) {
+TEST(Packet, RefusesImpossibleLengths) {
   Header header;
   for (const int length : {1, 2, 3, 4, 8192, 8193, 8196, 65532}) {
     header.length = static_cast<std::uint16_t>(length);
@@ -73,7 +73,7 @@ TEST(Packet, LengthsThatAreNotAllowed) {
   }
 }
 
-TEST(Packet, PayloadIsFilledUpAndHasItsCrc) {
+TEST(Packet, PadsThePayloadAndAppendsItsCrc) {
   const std::uint8_t payload[5] = {1, 2, 3, 4, 5};
   std::vector<std::uint8_t> stream{99};
   append_packet(Header{}, payload, 5, stream);
@@ -84,7 +84,7 @@ TEST(Packet, PayloadIsFilledUpAndHasItsCrc) {
   EXPECT_EQ(get_u32(&stream[1 + kHeaderBytes + 8]), crc32c(&stream[1 + 32], 4 + 8));
 }
 
-TEST(Packet, PayloadThatIsTooLong) {
+TEST(Packet, RefusesAPayloadThatIsTooLong) {
   const std::vector<std::uint8_t> payload(kMaxPayloadBytes + 1);
   std::vector<std::uint8_t> stream;
   EXPECT_NO_THROW(append_packet(Header{}, payload.data(), kMaxPayloadBytes, stream));

@@ -38,7 +38,7 @@ class Recording : public testing::Test {
         .write(reinterpret_cast<const char*>(bytes.data()),
                static_cast<std::streamsize>(bytes.size()));
   }
-  /// What can be read of `file`, and how that ends.
+  /// Reads a file to its end; returns the bytes and the final error.
   Bytes replay(const Bytes& file, Error& end) const {
     store(file);
     const auto opened = link::open_replay(path_, 0);
@@ -62,7 +62,7 @@ class Recording : public testing::Test {
   const std::string path_ = folder_ / "recording";
 };
 
-TEST_F(Recording, GivesWhatWasRead) {
+TEST_F(Recording, ReplaysTheBytesThatWereRead) {
   const Bytes sent = random_bytes(100000, 1);
   {
     const auto line = make_memory_line();
@@ -100,7 +100,7 @@ TEST_F(Recording, GivesWhatWasRead) {
   }
 }
 
-TEST_F(Recording, BreaksOffAnywhere) {
+TEST_F(Recording, MayBreakOffAnywhere) {
   Bytes file = header();
   append_record(file, 5, 0, {1, 2, 3});
   append_record(file, 6, 1, {9, 9});
@@ -118,7 +118,7 @@ TEST_F(Recording, BreaksOffAnywhere) {
   }
 }
 
-TEST_F(Recording, SaysWhatIsDamaged) {
+TEST_F(Recording, NamesTheDamage) {
   Bytes good = header();
   append_record(good, 5, 0, {1, 2, 3});
   const std::size_t second = good.size();
@@ -127,7 +127,7 @@ TEST_F(Recording, SaysWhatIsDamaged) {
   for (const auto& damage : damages) {
     Bytes file = good;
     file[second + damage[0]] = static_cast<std::uint8_t>(damage[1]);
-    // Byte 7 makes the second record late, not impossible: then the third is early.
+    // Damage to byte 7 makes the second record late, which is allowed; then the third is too early.
     append_record(file, 7, 0, {5});
     Error end;
     const Bytes read = replay(file, end);
@@ -158,7 +158,7 @@ TEST_F(Recording, RefusesOtherFiles) {
   EXPECT_EQ(absent.error().kind, ErrorKind::kNotFound);
 }
 
-TEST_F(Recording, HasItsOwnPace) {
+TEST_F(Recording, KeepsItsPace) {
   Bytes file = header();
   append_record(file, 0, 0, {1});
   append_record(file, 80000, 0, {2});
@@ -175,7 +175,7 @@ TEST_F(Recording, HasItsOwnPace) {
   EXPECT_GE(Clock::now() - begin, Milliseconds(39));
 }
 
-TEST_F(Recording, AFullDiskEndsItAlone) {
+TEST_F(Recording, AFullDiskEndsTheRecordingOnly) {
   const auto line = make_memory_line();
   auto inner = line->open();
   ASSERT_TRUE(inner);

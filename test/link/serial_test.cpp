@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A pty's two ends, of which the master is held.
+/// A pty; keeps the master open.
 struct Pty {
   int master = posix_openpt(O_RDWR | O_NOCTTY), slave = -1;
   std::array<char, 64> path{};
@@ -39,7 +39,7 @@ termios2 settings_of(int file) {
   return settings;
 }
 
-TEST(Serial, AnyRate) {
+TEST(Serial, SetsAnyRate) {
   for (const int baud : {3000000, 12345, 12000000, 1}) {
     Pty pty;
     const auto opened = link::open_serial(pty.path.data(), baud);
@@ -55,7 +55,7 @@ TEST(Serial, AnyRate) {
   }
 }
 
-TEST(Serial, TheNameMayEndInARate) {
+TEST(Serial, AcceptsARateInItsName) {
   Pty pty;
   const auto opened = link::open_transport("serial:" + std::string(pty.path.data()) + ":921600");
   ASSERT_TRUE(opened) << opened.error().message;
@@ -66,19 +66,19 @@ TEST(Serial, TheNameMayEndInARate) {
   EXPECT_NE(second.error().message.find(pty.path.data()), std::string::npos);
 }
 
-TEST(Serial, SaysWhyItCannotBeOpened) {
+TEST(Serial, NamesTheReasonOfAFailure) {
   const struct {
     int code;
     ErrorKind kind;
     const char* says;
   } cases[] = {
       {ENOENT, ErrorKind::kNotFound, "/dev/null cannot be opened"},
-      {EIO, ErrorKind::kNotFound, "of serial lines"},
+      {EIO, ErrorKind::kNotFound, "found"},
       {EBUSY, ErrorKind::kBusy, "another program"},
       {EWOULDBLOCK, ErrorKind::kBusy, "another program"},
       {EACCES, ErrorKind::kPermission, "group root: run 'sudo usermod -aG root $USER'"},
       {EPERM, ErrorKind::kPermission, "group root"},
-      {ENOTTY, ErrorKind::kIo, "no serial line"},
+      {ENOTTY, ErrorKind::kIo, "not a serial line"},
       {EMFILE, ErrorKind::kIo, "Too many open files"},
   };
   for (const auto& expected : cases) {
@@ -90,7 +90,7 @@ TEST(Serial, SaysWhyItCannotBeOpened) {
   EXPECT_EQ(link::open_serial("/dev/null").error().kind, ErrorKind::kIo);
 }
 
-TEST(Serial, ListsLastingNamesIfThereAreAny) {
+TEST(Serial, PrefersStableNames) {
   const TestFolder folder;
   for (const char* file : {"ttyUSB1", "ttyACM0", "ttyS0", "null"}) std::ofstream(folder / file);
   auto found = link::list_serial(folder.path());

@@ -1,4 +1,4 @@
-// A session whose board takes its pairs from the host; the times of frames that come late.
+// A session whose board takes its pairs from the host; stamps of late frames.
 #include <gtest/gtest.h>
 
 #include "link/session.hpp"
@@ -12,17 +12,17 @@ using link::Stream;
 
 constexpr std::uint64_t kStamp = 1600000000000000;  // us
 
-/// Lets the board take pairs of the host; true: it does.
+/// Switches the board to pairs of the host. Returns true once it streams.
 bool take_pairs(Streaming& rig) {
   link::DesiredState wanted = rig.wanted(SessionRig::setting(5), 5, kDisparity);
   wanted.host_input = true;
   rig.session.set_desired_state(wanted);
   if (!rig.run_until([&] { return rig.streaming(); })) return false;
-  rig.run(20);  // until what it did before is no more
+  rig.run(20);  // until the frames of the former state have arrived
   return rig.streaming();
 }
 
-TEST(Session, PairsOfTheHostComeBackWithItsNumbersAndStamps) {
+TEST(Session, FramesOfHostPairsCarryTheirIdsAndStamps) {
   Streaming rig;
   ASSERT_TRUE(take_pairs(rig));
   for (std::uint64_t i = 0; i < 6; ++i) {
@@ -30,7 +30,7 @@ TEST(Session, PairsOfTheHostComeBackWithItsNumbersAndStamps) {
                                       kStamp + 33333 * i));
     rig.run(5);
   }
-  ASSERT_EQ(rig.received.size(), 6U) << "and none of the cameras";
+  ASSERT_EQ(rig.received.size(), 6U) << "and no frames of the cameras";
   for (std::size_t i = 0; i < 6; ++i) {
     const link::ReceivedFrames& r = rig.received[i];
     EXPECT_EQ(r.set.frame_id, 100 + i);
@@ -40,10 +40,10 @@ TEST(Session, PairsOfTheHostComeBackWithItsNumbersAndStamps) {
   }
 }
 
-TEST(Session, RequestsBehindPairsOnASlowLineAreAnswered) {
+TEST(Session, AnswersRequestsBehindPairsOnASlowLink) {
   Streaming rig;
   ASSERT_TRUE(take_pairs(rig));
-  rig.bytes_per_ms = 2;  // a pair takes more than two seconds, four times an answer's time one
+  rig.bytes_per_ms = 2;  // a pair takes more than two seconds, longer than all tries of a request
   std::uint64_t sent = 0, refused = 0;
   for (int i = 0; i < 20000; ++i) {
     const bool went = rig.session.send_pair(rig.pairs[0].left, rig.pairs[0].right, sent, kStamp);
@@ -62,11 +62,11 @@ TEST(Session, RequestsBehindPairsOnASlowLineAreAnswered) {
   EXPECT_TRUE(rig.streaming());
 }
 
-TEST(Session, FramesUnderWayKeepTheStampsOfWhatMadeThem) {
+TEST(Session, FramesInFlightKeepTheStampsOfTheirSource) {
   Streaming rig;
   rig.want(5);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
-  // From the cameras to the host and back, with frames on the way each time.
+  // Switches from the cameras to the host and back, with frames in flight each time.
   for (std::uint64_t i = 0; i < 5; ++i) {
     ASSERT_TRUE(take_pairs(rig));
     ASSERT_TRUE(rig.session.send_pair(rig.pairs[0].left, rig.pairs[0].right, i, kStamp));
@@ -82,11 +82,11 @@ TEST(Session, FramesUnderWayKeepTheStampsOfWhatMadeThem) {
   EXPECT_EQ(hosts, 5U);
 }
 
-TEST(Session, FramesThatALostLineCutsHaveArrivedThen) {
+TEST(Session, StampsFramesThatALostLinkCuts) {
   Streaming rig;
   rig.want(1, kAll);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
-  // Nothing but the first stream of a pair comes.
+  // Only the first stream of a pair arrives.
   rig.to_host = [](SessionRig::Bytes& bytes) {
     bytes.resize(std::min<std::size_t>(bytes.size(), 4000));
   };

@@ -1,4 +1,4 @@
-// A session on lines that do what lines do, with boards that fall silent.
+// A session on faulty links, with boards that fall silent.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -16,7 +16,7 @@ using link::Stream;
 using State = link::LinkState;
 using Step = link::WatchdogStep;
 
-TEST(Session, NoFaultOfTheLineMakesAFrameWrong) {
+TEST(Session, NoLinkFaultMakesAFrameWrong) {
   std::mt19937 random(11);
   Streaming rig;
   rig.want(1);
@@ -42,7 +42,7 @@ TEST(Session, NoFaultOfTheLineMakesAFrameWrong) {
   EXPECT_GT(rig.session.frames().dropped, 10U);
 }
 
-TEST(Session, AThousandUnplugsInEveryState) {
+TEST(Session, SurvivesAThousandUnplugsInEveryState) {
   std::mt19937 random(12);
   Streaming rig;
   std::set<State> states;
@@ -72,7 +72,7 @@ TEST(Session, AThousandUnplugsInEveryState) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
-TEST(Session, ASilentBoardIsPurgedRestartedReopenedReset) {
+TEST(Session, RecoversASilentBoardStepByStep) {
   Streaming rig;
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
@@ -87,27 +87,27 @@ TEST(Session, ASilentBoardIsPurgedRestartedReopenedReset) {
   rig.received.clear();
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
   EXPECT_EQ(rig.session.trouble_text(), "");
-  // The next time it begins with the mildest.
+  // After a success, the next recovery begins with the mildest step.
   rig.line_open = false;
   rig.steps.clear();
   ASSERT_TRUE(rig.run_until([&] { return !rig.steps.empty(); }));
   EXPECT_EQ(rig.steps[0], Step::kPurge);
 }
 
-TEST(Session, FramesThatStayAwayAreAStall) {
+TEST(Session, NoticesThatFramesStayAway) {
   Streaming rig;
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
-  // Answers pass, frames do not.
+  // Answers pass; frames are dropped.
   rig.to_host = [](Bytes& bytes) {
     if (bytes.size() > 600) bytes.clear();
   };
   ASSERT_TRUE(rig.run_until([&] { return rig.steps.size() >= 4; }, 20000));
   EXPECT_EQ(rig.steps[3], Step::kReset);
-  EXPECT_TRUE(rig.noted("the board takes images, and no frame comes: purge"));
+  EXPECT_TRUE(rig.noted("the board takes images but sends no frames: purge"));
 }
 
-TEST(Session, CamerasThatDeliverNothingAreNoStall) {
+TEST(Session, ToleratesCamerasThatDeliverNothing) {
   Streaming rig;
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
@@ -116,7 +116,7 @@ TEST(Session, CamerasThatDeliverNothingAreNoStall) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
-TEST(Session, ALineCutInAFrameIsPurgedRestartedReopenedReset) {
+TEST(Session, RecoversALinkThatIsCutWithinAFrame) {
   for (const bool keep_incomplete : {false, true}) {
     Streaming rig;
     link::SessionOptions options;
@@ -140,7 +140,7 @@ TEST(Session, ALineCutInAFrameIsPurgedRestartedReopenedReset) {
   }
 }
 
-TEST(Session, StreamsThatAreSwitchedOnAreNoStall) {
+TEST(Session, ExpectsNoFramesBeforeTheStreamsAreOn) {
   Streaming rig;
   rig.frame_ms = 43;              // more than ten between two polls
   for (int i = 0; i < 40; ++i) {  // at all times between two polls
@@ -153,7 +153,7 @@ TEST(Session, StreamsThatAreSwitchedOnAreNoStall) {
   }
 }
 
-TEST(Session, TheComplaintEndsWithTheTroubleWhereNothingIsStreamed) {
+TEST(Session, EndsTheTroubleThoughNothingIsStreamed) {
   Streaming rig;
   rig.want(1, {});
   rig.run(1000);
@@ -166,7 +166,7 @@ TEST(Session, TheComplaintEndsWithTheTroubleWhereNothingIsStreamed) {
   EXPECT_EQ(rig.session.trouble_text(), "");
 }
 
-TEST(Session, ABoardThatRefusesASettingIsLeftInPeace) {
+TEST(Session, RetriesARefusedSettingSeldom) {
   auto options = SessionRig::small_board();
   options.overrides = {{spec::kRegSpeckleSize, 9}};
   Streaming rig(options);
@@ -176,12 +176,12 @@ TEST(Session, ABoardThatRefusesASettingIsLeftInPeace) {
   rig.run(35000);
   EXPECT_EQ(rig.session.state(), State::kRefused);
   EXPECT_TRUE(rig.steps.empty());
-  EXPECT_EQ(rig.notes.size(), 3U) << "said once, behind two attempts";
+  EXPECT_EQ(rig.notes.size(), 3U) << "reported once, after two attempts";
   EXPECT_NEAR(static_cast<double>(rig.session.counters().requests - requests), 70, 40)
       << "heartbeats, and three attempts";
 }
 
-TEST(Session, ARefusalThatPassesIsTriedAgain) {
+TEST(Session, TriesARefusedSettingAgain) {
   Streaming rig;
   rig.board.hold_frame(true);
   rig.want(8);
@@ -194,9 +194,9 @@ TEST(Session, ARefusalThatPassesIsTriedAgain) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
-TEST(Session, FramesOfAnUnknownConfigurationAreDropped) {
+TEST(Session, DropsFramesOfAnUnknownConfiguration) {
   Streaming rig;
-  // The board goes on with what another host has configured.
+  // The board continues with the configuration of another host.
   rig.want(2);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
   bool held = false;
@@ -212,7 +212,7 @@ TEST(Session, FramesOfAnUnknownConfigurationAreDropped) {
   EXPECT_TRUE(rig.received.empty());
 }
 
-TEST(Session, RegistersOfOthersBetweenItsOwn) {
+TEST(Session, AnswersUserRequestsBetweenItsOwn) {
   Streaming rig;
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
@@ -236,7 +236,7 @@ TEST(Session, RegistersOfOthersBetweenItsOwn) {
   rig.session.ask({static_cast<link::PacketType>(0x55), {1, 2, 3, 4}}, answer);
   rig.run(3000);
   ASSERT_TRUE(error);
-  EXPECT_EQ(error->message, "the board refuses a request: it does not know that request");
+  EXPECT_EQ(error->message, "the board refuses a request: it does not know this type of request");
 
   rig.session.closed();
   error.reset();
@@ -245,7 +245,7 @@ TEST(Session, RegistersOfOthersBetweenItsOwn) {
   EXPECT_EQ(error->kind, ErrorKind::kUnplugged);
 }
 
-TEST(Session, ALostAnswerIsAskedForAgain) {
+TEST(Session, RetriesARequestWhoseAnswerIsLost) {
   Streaming rig;
   int lost = 3;
   rig.to_host = [&](Bytes& bytes) {
@@ -258,7 +258,7 @@ TEST(Session, ALostAnswerIsAskedForAgain) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
-TEST(Board, FallsSilentWithItsHost) {
+TEST(Board, FallsSilentWhenItsHostDoes) {
   Streaming rig;
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));

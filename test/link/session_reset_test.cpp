@@ -1,4 +1,4 @@
-// A session whose board is reset, or takes a configuration later than one would think.
+// A session whose board is reset, or applies a configuration late or twice.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,24 +11,23 @@ namespace {
 
 using link::Session;
 
-/// Whether these bytes of the host have the request that applies a configuration.
+/// Returns true if the bytes contain the request that applies a configuration.
 bool applies(const SessionRig::Bytes& bytes) {
   const auto apply = link::write_request({{spec::kRegControl, spec::kControlApply.put(1)}}).payload;
   return std::search(bytes.begin(), bytes.end(), apply.begin(), apply.end()) != bytes.end();
 }
 
-/// A board that comes out of a reset with a configuration that it takes as it is.
+/// A board whose registers hold a valid image size after a reset.
 sim::SoftwareBoard::Options board_that_starts_sized() {
   auto options = SessionRig::small_board();
   options.overrides = {{spec::kRegWidth, 64}, {spec::kRegHeight, 24}};
   return options;
 }
 
-// Behind a reset the board's clock is behind what it was, or, where that was close to a reset
-// itself, ahead.
+// After a reset the board's clock shows less than before, or, if the last reset was recent, more.
 constexpr std::chrono::seconds kClocks[] = {std::chrono::seconds(0), std::chrono::seconds(60)};
 
-TEST(Session, ABoardThatWasResetIsConfiguredAgain) {
+TEST(Session, ConfiguresABoardThatWasResetAgain) {
   Streaming rig;
   rig.want(4);
   for (int i = 0; i < 5; ++i) {
@@ -44,7 +43,7 @@ TEST(Session, ABoardThatWasResetIsConfiguredAgain) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
-TEST(Session, AResetIsToldByTheClockWhereNoRegisterTells) {
+TEST(Session, NoticesAResetByTheClockAlone) {
   Streaming rig;
   link::DesiredState nothing;
   nothing.keep_configuration = true;
@@ -57,7 +56,7 @@ TEST(Session, AResetIsToldByTheClockWhereNoRegisterTells) {
   EXPECT_EQ(rig.session.state(), link::LinkState::kReady);
 }
 
-TEST(Session, AResetBeforeTheApplyIsNoticed) {
+TEST(Session, NoticesAResetBeforeTheApply) {
   for (const auto clock : kClocks) {
     Streaming rig(board_that_starts_sized());
     int resets = 1;
@@ -74,7 +73,7 @@ TEST(Session, AResetBeforeTheApplyIsNoticed) {
   }
 }
 
-TEST(Session, AResetBehindTheApplyIsNoticed) {
+TEST(Session, NoticesAResetAfterTheApply) {
   for (const auto clock : kClocks) {
     Streaming rig(board_that_starts_sized());
     rig.want(4, kAll);
@@ -96,7 +95,7 @@ TEST(Session, AResetBehindTheApplyIsNoticed) {
   }
 }
 
-TEST(Session, AnApplyWhoseAnswerIsLostTakesEffectTwice) {
+TEST(Session, ToleratesAnApplyThatTakesEffectTwice) {
   Streaming rig;
   rig.want(4);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
@@ -113,7 +112,7 @@ TEST(Session, AnApplyWhoseAnswerIsLostTakesEffectTwice) {
   rig.want(5);
   ASSERT_TRUE(rig.run_until([&] { return applied == 2; }));
   rig.run(30);
-  EXPECT_EQ(rig.session.counters().configurations, 1U) << "one still waits";
+  EXPECT_EQ(rig.session.counters().configurations, 1U) << "one apply is pending";
   rig.board.hold_frame(false);
   rig.run(2000);
   EXPECT_EQ(rig.session.counters().configurations, 2U);

@@ -1,4 +1,4 @@
-// A session with a board of software at the other end of a line that does what lines do.
+// A session with a virtual board, in simulated time.
 #include "link/session.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ using link::Session;
 using link::Stream;
 using State = link::LinkState;
 
-TEST(Session, BringsEveryStreamOfABoard) {
+TEST(Session, DeliversEveryStreamOfABoard) {
   Streaming rig;
   rig.pairs.resize(1);
   rig.want(7, kAll);
@@ -37,7 +37,7 @@ TEST(Session, BringsEveryStreamOfABoard) {
   }
 }
 
-TEST(Session, StampsInTheHostsTimeAcrossTheWrapOfTheBoards) {
+TEST(Session, StampsInHostTimeAcrossTheWrapOfTheBoardClock) {
   Streaming rig;
   rig.want(1);
   rig.run(15000);  // the board's clock wraps after 10 s, its frame_id after 16 frames
@@ -51,7 +51,7 @@ TEST(Session, StampsInTheHostsTimeAcrossTheWrapOfTheBoards) {
   EXPECT_NEAR(rig.session.clock().drift(), 0, 1e-5);
 }
 
-TEST(Session, MidExposureIsBeforeTheFirstPixel) {
+TEST(Session, StampsMidExposure) {
   Streaming rig;
   link::DesiredState wanted = rig.wanted(SessionRig::setting(1), 1, kDisparity);
   wanted.mid_exposure = std::chrono::microseconds(8000);
@@ -60,7 +60,7 @@ TEST(Session, MidExposureIsBeforeTheFirstPixel) {
   EXPECT_NEAR(rig.received.back().stamp, rig.host - 0.008, 0.003);
 }
 
-TEST(Session, ChangedSettingsNeverMixWithFramesOfTheOldOnes) {
+TEST(Session, NeverMixesFramesOfOldAndNewSettings) {
   Streaming rig;
   std::set<std::uint64_t> tags;
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -74,7 +74,7 @@ TEST(Session, ChangedSettingsNeverMixWithFramesOfTheOldOnes) {
   EXPECT_TRUE(rig.steps.empty());
 }
 
-TEST(Session, MeshesAreSentWhereTheyChangeOnly) {
+TEST(Session, WritesMeshesOnlyIfTheyChange) {
   Streaming rig;
   rig.want(3);
   ASSERT_TRUE(rig.run_until([&] { return rig.streaming(); }));
@@ -87,7 +87,7 @@ TEST(Session, MeshesAreSentWhereTheyChangeOnly) {
   EXPECT_EQ(rig.board.peek(spec::kRegMeshSwaps), 2U);
 }
 
-TEST(Session, NothingComesThatNobodyWants) {
+TEST(Session, DeliversNothingThatIsNotWanted) {
   Streaming rig;
   rig.want(1, {});
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kReady; }));
@@ -101,12 +101,12 @@ TEST(Session, NothingComesThatNobodyWants) {
   EXPECT_FALSE(rig.received[0].set.image(Stream::kRawLeft).empty());
 }
 
-TEST(Session, ABoardIsTakenAsItIs) {
+TEST(Session, KeepsTheConfigurationOfABoard) {
   Streaming rig;
   rig.want(3, {});
   ASSERT_TRUE(rig.run_until([&] { return rig.session.state() == State::kReady; }));
   const std::uint32_t configuration = rig.board.peek(spec::kRegConfiguration);
-  // Another session: it knows nothing of that configuration, and leaves it alone.
+  // A new session does not know that configuration and must leave it alone.
   rig.session = link::Session();
   link::DesiredState wanted;
   wanted.keep_configuration = true;
@@ -122,7 +122,7 @@ TEST(Session, ABoardIsTakenAsItIs) {
   EXPECT_EQ(rig.session.counters().configurations, 0U);
 }
 
-TEST(Session, RawImagesOfEveryNthPair) {
+TEST(Session, DeliversRawImagesOfEveryNthPair) {
   Streaming rig;
   link::DesiredState wanted = rig.wanted(SessionRig::setting(1), 1, kAll);
   wanted.frame_interval = 2;
@@ -141,7 +141,7 @@ TEST(Session, RawImagesOfEveryNthPair) {
   EXPECT_NEAR(raw, static_cast<double>(rig.received.size() - 4) / 3, 1);
 }
 
-// Boards that this software cannot work with.
+// Boards that this software does not work with.
 
 struct Misfit {
   std::map<std::uint32_t, std::uint32_t> wrong;
@@ -163,25 +163,26 @@ TEST_P(Misfits, AreRefusedByName) {
   rig.run(1500);
   EXPECT_TRUE(rig.received.empty());
   EXPECT_TRUE(rig.steps.empty());
-  EXPECT_EQ(rig.notes.size(), 1U) << "said once";
-  EXPECT_EQ(rig.board.peek(spec::kRegConfiguration), 0U) << "nothing is written to it";
+  EXPECT_EQ(rig.notes.size(), 1U) << "reported once";
+  EXPECT_EQ(rig.board.peek(spec::kRegConfiguration), 0U) << "the session must write nothing";
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Boards, Misfits,
     ::testing::Values(
-        Misfit{{{spec::kRegIdentity, 0x12345678}},
-               1,
-               "what answers is no board of this kind: IDENTITY = 0x12345678, expected 0x46535431"},
+        Misfit{
+            {{spec::kRegIdentity, 0x12345678}},
+            1,
+            "the device is not an fpga_stereo board: IDENTITY = 0x12345678, expected 0x46535431"},
         Misfit{{{spec::kRegVersion, 0x00020003}},
                1,
                "the board's gateware has version 2.3, this software works with 0.x: flash the "
                "gateware of this release (rosrun fpga_stereo board flash)"},
         Misfit{{{spec::kRegSpecHash, 0xDEADBEEF}},
                1,
-               "the board's gateware is of specification 0xDEADBEEF, this software of 0x"},
+               "the board's gateware was built for specification 0xDEADBEEF, this software for 0x"},
         Misfit{
-            {}, 2, "the board speaks version 2 of the packets, this software version 1: flash"}));
+            {}, 2, "the board's packets have version 2, this software's have version 1: flash"}));
 
 class Defects : public ::testing::TestWithParam<Misfit> {};
 
@@ -209,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(
                1,
                "the board refuses its configuration: ERRORS.config"}));
 
-TEST(Session, AnotherSettingIsTriedWhereOneWasRefused) {
+TEST(Session, TriesAnotherSettingAfterARefusal) {
   auto options = SessionRig::small_board();
   options.overrides = {{spec::kRegSpeckleSize, 9}};
   Streaming rig(options);

@@ -1,4 +1,4 @@
-// A rig whose cameras see something, and what every setting makes of it.
+// A rig whose cameras see two pairs, and the disparities expected for every setting.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ constexpr link::StreamSet kAll{link::Stream::kDisparity, link::Stream::kRectifie
                                link::Stream::kRectifiedRight, link::Stream::kRawLeft,
                                link::Stream::kRawRight};
 
-/// A rig whose cameras see two pairs, with what every setting makes of them.
+/// A session rig that checks the frames it receives.
 class Streaming : public SessionRig {
  public:
   explicit Streaming(const sim::SoftwareBoard::Options& options = small_board())
@@ -29,7 +29,7 @@ class Streaming : public SessionRig {
   }
   bool streaming() const { return session.state() == link::LinkState::kStreaming; }
 
-  /// Every disparity that came is what the setting of its tag makes of one of the pairs.
+  /// Checks that every disparity equals what the setting of its tag computes from one of the pairs.
   void expect_true_frames() {
     for (const link::ReceivedFrames& r : received) {
       const cv::Mat& disparity = r.set.image(link::Stream::kDisparity);

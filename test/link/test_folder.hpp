@@ -1,4 +1,4 @@
-// A folder that lasts as long as a test.
+// A temporary folder that is removed at the end of a test.
 #pragma once
 
 #include <cstdlib>

@@ -9,7 +9,8 @@ namespace {
 
 using link::TimeSync;
 
-/// A board whose clock runs `drift` too fast and began at `board` us when the host's was at `host`.
+/// A board clock that runs too fast by `drift` and showed `board` us when the host's showed `host`
+/// s.
 struct Clocks {
   double drift = 0;
   std::uint64_t board = 1000;
@@ -25,7 +26,7 @@ TEST(TimeSync, KnowsNothingWithoutASample) {
   EXPECT_FALSE(sync.to_host(5));
 }
 
-TEST(TimeSync, TheMiddleOfTheRoundTrip) {
+TEST(TimeSync, TakesTheMiddleOfTheRoundTrip) {
   TimeSync sync;
   EXPECT_TRUE(sync.add(10.000, 500, 10.004));
   ASSERT_TRUE(sync.to_host(500));
@@ -34,7 +35,7 @@ TEST(TimeSync, TheMiddleOfTheRoundTrip) {
   EXPECT_NEAR(sync.uncertainty(), 0.002, 1e-9);
 }
 
-TEST(TimeSync, LongRoundTripsAreNoSamples) {
+TEST(TimeSync, IgnoresLongRoundTrips) {
   TimeSync sync;
   EXPECT_TRUE(sync.add(10, 500, 10.009));
   EXPECT_FALSE(sync.add(11, 1000500, 11.011));
@@ -74,17 +75,17 @@ TEST(TimeSync, NeverStepsBack) {
   EXPECT_GT(last, clocks.host + 59);
 }
 
-TEST(TimeSync, AnOlderTimeMayBeAskedForAgain) {
+TEST(TimeSync, ConvertsOlderTimesAgain) {
   TimeSync sync;
   sync.add(10, 1000000, 10.001);
   const double later = *sync.to_host(3000000);
   EXPECT_NEAR(later - *sync.to_host(2000000), 1, 1e-6);
 }
 
-TEST(TimeSync, AfterAResetTheBoardsClockIsAnother) {
+TEST(TimeSync, ForgetsTheClockOnReset) {
   TimeSync sync;
   sync.add(10, 5000000, 10.001);
-  EXPECT_FALSE(sync.add(11, 100, 11.001)) << "it went backwards";
+  EXPECT_FALSE(sync.add(11, 100, 11.001)) << "the board clock ran backwards";
   sync.reset();
   EXPECT_TRUE(sync.add(11, 100, 11.001));
   EXPECT_NEAR(*sync.to_host(100), 11.0005, 1e-9);

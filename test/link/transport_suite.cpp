@@ -48,7 +48,7 @@ void TransportTest::open() {
 
 namespace {
 
-/// In one thread as long as the other one runs.
+/// Starts a thread that calls `action` after a pause.
 template <class Action>
 std::thread after(Milliseconds pause, Action action) {
   return std::thread([=] {
@@ -63,7 +63,7 @@ ErrorKind kind_of_read(link::Transport& transport, Milliseconds timeout = Millis
   return got ? ErrorKind::kInvalid : got.error().kind;
 }
 
-TEST_P(TransportTest, BytesArriveUnchangedInAnyPieces) {
+TEST_P(TransportTest, DeliversBytesUnchangedInPiecesOfAnySize) {
   const std::size_t pieces[] = {1, 61, 62, 63, 509, 510, 511, 512, 1020, 4096, 65536, 300000};
   unsigned seed = 1;
   for (const std::size_t piece : pieces) {
@@ -75,7 +75,7 @@ TEST_P(TransportTest, BytesArriveUnchangedInAnyPieces) {
   }
 }
 
-TEST_P(TransportTest, SmallSendsArriveByThemselves) {
+TEST_P(TransportTest, DeliversASmallWriteAtOnce) {
   for (unsigned i = 0; i < 20; ++i) {
     const Bytes sent = random_bytes(1 + i * 7, i);
     line_->send(sent);
@@ -83,7 +83,7 @@ TEST_P(TransportTest, SmallSendsArriveByThemselves) {
   }
 }
 
-TEST_P(TransportTest, ReadWaitsAsLongAsTold) {
+TEST_P(TransportTest, ReadBlocksForItsTimeout) {
   std::uint8_t byte = 0;
   for (const int timeout : {0, 1, 40}) {
     const auto begin = Clock::now();
@@ -113,7 +113,7 @@ TEST_P(TransportTest, WriteEndsInTimeAndLosesNothing) {
   EXPECT_EQ(line_->take(sent.size()), sent);
 }
 
-TEST_P(TransportTest, WritesThatHaveLittleTimeLoseNothing) {
+TEST_P(TransportTest, WritesWithShortTimeoutsLoseNothing) {
   const Bytes sent = random_bytes(400000, 7);
   std::thread reader([&] { EXPECT_TRUE(line_->take(sent.size()) == sent); });
   std::size_t done = 0;
@@ -126,7 +126,7 @@ TEST_P(TransportTest, WritesThatHaveLittleTimeLoseNothing) {
   EXPECT_EQ(done, sent.size());
 }
 
-TEST_P(TransportTest, MuchDataBothWaysAtOnce) {
+TEST_P(TransportTest, CarriesMuchDataBothWaysAtOnce) {
   const Bytes in = random_bytes(3000000, 4), out = random_bytes(2000000, 5);
   std::size_t went = 0;
   std::thread writer([&] { went = write_all(*transport_, out, 100000); });
@@ -142,14 +142,14 @@ TEST_P(TransportTest, MuchDataBothWaysAtOnce) {
   EXPECT_EQ(transport_->counters().stalls, 0U);
 }
 
-TEST_P(TransportTest, AReaderThatIsLateLosesNothing) {
+TEST_P(TransportTest, ALateReaderLosesNothing) {
   const Bytes sent = random_bytes(5500000, 6);
   line_->send(sent);
   std::this_thread::sleep_for(Milliseconds(300));
   EXPECT_TRUE(read_all(*transport_, sent.size()) == sent);
 }
 
-TEST_P(TransportTest, UnpluggedWhileReading) {
+TEST_P(TransportTest, FailsIfUnpluggedWhileReading) {
   auto hand = after(Milliseconds(20), [&] { line_->unplug(); });
   EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kUnplugged);
   hand.join();
@@ -160,12 +160,12 @@ TEST_P(TransportTest, UnpluggedWhileReading) {
   EXPECT_FALSE(transport_->recover(Recovery::kPurge));
 }
 
-TEST_P(TransportTest, UnpluggedWhileWriting) {
+TEST_P(TransportTest, FailsIfUnpluggedWhileWriting) {
   line_->listen(false);
   auto hand = after(Milliseconds(50), [&] { line_->unplug(); });
   const Bytes sent(1500000);
   auto went = transport_->write(sent.data(), sent.size(), Milliseconds(5000));
-  // What was on its way may count; but then that was the last.
+  // Bytes in flight may still be counted, but only once.
   if (went) went = transport_->write(sent.data(), sent.size(), Milliseconds(5000));
   hand.join();
   ASSERT_FALSE(went);
@@ -173,7 +173,7 @@ TEST_P(TransportTest, UnpluggedWhileWriting) {
   EXPECT_FALSE(went.error().message.empty());
 }
 
-TEST_P(TransportTest, ClosedInTheMiddle) {
+TEST_P(TransportTest, ClosesDuringATransfer) {
   for (const bool unplugged : {false, true}) {
     line_->send(Bytes(1000000));
     line_->listen(false);
@@ -190,7 +190,7 @@ TEST_P(TransportTest, ClosedInTheMiddle) {
   }
 }
 
-TEST_P(TransportTest, OpensAgainWhenItIsBack) {
+TEST_P(TransportTest, OpensAgainAfterReplugging) {
   for (int i = 0; i < 3; ++i) {
     line_->unplug();
     EXPECT_EQ(kind_of_read(*transport_), ErrorKind::kUnplugged);
@@ -226,13 +226,13 @@ TEST_P(TransportTest, Recovers) {
   EXPECT_EQ(read_all(*transport_, 1), Bytes{6});
 }
 
-TEST_P(TransportTest, ForOneProgramAlone) {
-  if (!GetParam().exclusive) GTEST_SKIP() << "whoever likes may open it";
+TEST_P(TransportTest, OpensForOneProgramOnly) {
+  if (!GetParam().exclusive) GTEST_SKIP() << "any program may open this line";
   const auto second = line_->open();
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().kind, ErrorKind::kBusy);
   EXPECT_NE(second.error().message.find("another program"), std::string::npos);
-  // And that did no harm.
+  // The refused attempt must not disturb the open one.
   line_->send({8});
   EXPECT_EQ(read_all(*transport_, 1), Bytes{8});
 }

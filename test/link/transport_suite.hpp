@@ -1,5 +1,5 @@
-// What every transport does alike. The tests stand in transport_suite.cpp; who links it says over
-// which lines: INSTANTIATE_TEST_SUITE_P(..., TransportTest, ...).
+// Tests that all transports must pass. They are in transport_suite.cpp; a program that links it
+// names its lines with INSTANTIATE_TEST_SUITE_P(..., TransportTest, ...).
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,9 +27,9 @@ class TransportTest : public testing::TestWithParam<LineKind> {
 
 Bytes random_bytes(std::size_t size, unsigned seed);
 
-/// `size` bytes, read in pieces of up to `piece`; fewer after five seconds without any.
+/// Reads `size` bytes in pieces of up to `piece`; returns fewer after five seconds without any.
 Bytes read_all(link::Transport& transport, std::size_t size, std::size_t piece = 65536);
-/// All of `bytes`, written in pieces: how many went, at once or in five seconds.
+/// Writes all bytes in pieces. Returns how many the transport accepted within five seconds.
 std::size_t write_all(link::Transport& transport, const Bytes& bytes, std::size_t piece = 1 << 20);
 
 }  // namespace fpga_stereo::test

@@ -1,4 +1,4 @@
-// Transports by name, and what all of them do over the lines that need no USB.
+// Transport names, and the tests of all transports over lines that need no USB.
 #include "fpga_stereo/link/transport.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ INSTANTIATE_TEST_SUITE_P(Lines, TransportTest,
                                          LineKind{"Pty", make_pty_line}),
                          [](const auto& kind) { return kind.param.name; });
 
-TEST(TransportName, IsOneOfThoseThatThereAre) {
+TEST(TransportName, RefusesUnknownNames) {
   for (const char* name : {"",
                            "USB",
                            "usbx",
@@ -43,18 +43,18 @@ TEST(TransportName, IsOneOfThoseThatThereAre) {
     const auto opened = link::open_transport(name);
     ASSERT_FALSE(opened) << name;
     EXPECT_EQ(opened.error().kind, ErrorKind::kInvalid) << name;
-    EXPECT_EQ(opened.error().message.find("'" + std::string(name) + "' is no transport: "), 0U);
+    EXPECT_EQ(opened.error().message.find("'" + std::string(name) + "' is not a transport: "), 0U);
     EXPECT_NE(opened.error().message.find("serial:PATH[:BAUD]"), std::string::npos);
   }
 }
 
-TEST(TransportName, MayEndInANumberIfThereIsSuchAFile) {
+TEST(TransportName, MayEndInANumberIfSuchAFileExists) {
   const TestFolder folder;
   const std::string path = folder / "usb-0:1:1.0";
   std::ofstream(path) << "x";
   const auto serial = link::open_transport("serial:" + path);
   ASSERT_FALSE(serial);
-  EXPECT_EQ(serial.error().message, path + " is no serial line");
+  EXPECT_EQ(serial.error().message, path + " is not a serial line");
   const auto replay = link::open_transport("replay:" + path + ":0.5");
   ASSERT_FALSE(replay);
   EXPECT_EQ(replay.error().message.find(path + " is no recording"), 0U) << replay.error().message;

@@ -8,8 +8,8 @@
 namespace fpga_stereo::test {
 
 UsbLine::UsbLine(const sim::VirtualFt232h::Options& options) : chip(*this, options) {
-  // Holds libusb's monitor open until the program ends: umockdev aborts where one is closed just
-  // when it has news for it.
+  // Holds libusb's monitor open until the program ends: umockdev aborts if a monitor is closed
+  // while umockdev has an event for it.
   static const link::HotplugWatch monitor;
 }
 

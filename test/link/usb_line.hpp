@@ -1,4 +1,4 @@
-// A line to an FT232H without hardware.
+// A line to a virtual FT232H.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ class UsbLine : public Line, private sim::FifoBackend {
     to_host_.clear();
   }
   void plug() override { chip.plug(); }
-  /// Bytes that the chip has not taken yet.
+  /// Returns the bytes that the chip has not taken yet.
   std::size_t waiting() const { return to_host_.size(); }
 
  private:
@@ -45,13 +45,13 @@ class UsbLine : public Line, private sim::FifoBackend {
   std::atomic<bool> listening_{true};
 
  public:
-  sim::VirtualFt232h chip;  // the last: it calls the others
+  sim::VirtualFt232h chip;  // last: it calls the others
 };
 
-/// None, and a failed test, if it cannot be opened.
+/// Opens the board; on failure fails the test and returns null.
 std::unique_ptr<link::Transport> open_usb(const std::string& name = "usb");
 
-/// Sends `size` bytes each way.
+/// Sends `size` bytes each way and checks that they arrive.
 void expect_bytes(UsbLine& line, link::Transport& transport, std::size_t size, unsigned seed);
 
 }  // namespace fpga_stereo::test

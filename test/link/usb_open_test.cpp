@@ -1,4 +1,4 @@
-// Boards on USB: finding them, opening one, and what is said when that cannot be.
+// Finding and opening boards on USB, and the error messages when that fails.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -53,11 +53,11 @@ TEST(Usb, SetsTheChipUp) {
   EXPECT_EQ(seen.resets, 1);
   EXPECT_EQ(seen.purges, 2);
   EXPECT_LE(seen.max_pending, 16U);
-  EXPECT_GE(seen.max_pending, 12U);  // some may end while the others begin
+  EXPECT_GE(seen.max_pending, 12U);  // early ones may end before the last begins
   EXPECT_EQ(seen.urb_bytes, 65536U);
 }
 
-TEST(Usb, RefusesAChipThatIsNoFifo) {
+TEST(Usb, RefusesAChipThatIsNotAFifo) {
   for (const int mode : {0, 0xFFFF}) {
     Options options;
     options.eeprom_mode = static_cast<std::uint16_t>(mode);
@@ -84,7 +84,7 @@ TEST(Usb, LeavesOtherChipsToTheirDrivers) {
   EXPECT_EQ(adapter.chip.seen().resets, 0);
 }
 
-TEST(Usb, RefusesAChipThatDoesNotObey) {
+TEST(Usb, RefusesAChipThatIgnoresItsSetUp) {
   {
     UsbLine line;
     line.chip.keep_latency(16);
@@ -115,7 +115,7 @@ TEST(Usb, SelectsOneOfTwo) {
   for (const char* name : {"usb:serial=FS", "usb:port=1-2", "usb:match=XYZ"}) {
     const Error error = error_of(name);
     EXPECT_EQ(error.kind, ErrorKind::kNotFound);
-    says(error, "there are: serial number FS7 at port 1-2.3; serial number FS70 at port 1-3");
+    says(error, "found: serial number FS7 at port 1-2.3; serial number FS70 at port 1-3");
   }
   const auto found = link::list_usb();
   ASSERT_EQ(found.size(), 2U);
@@ -123,14 +123,14 @@ TEST(Usb, SelectsOneOfTwo) {
   EXPECT_EQ(found[0].description, "left board, serial number FS7 at port 1-2.3");
   EXPECT_EQ(error_of("usb:match=(").kind, ErrorKind::kInvalid);
 
-  // Two boards at once do not disturb each other.
+  // Two open boards must not disturb each other.
   const auto one = open_usb("usb:serial=FS7"), other = open_usb("usb:serial=FS70");
   ASSERT_TRUE(one && other);
   expect_bytes(first, *one, 70000, 1);
   expect_bytes(second, *other, 70000, 2);
 }
 
-TEST(Usb, SaysWhatIsMissing) {
+TEST(Usb, NamesWhatIsMissing) {
   {
     UsbLine line;
     line.unplug();
@@ -142,7 +142,7 @@ TEST(Usb, SaysWhatIsMissing) {
   line.chip.refuse_claims(EBUSY);
   EXPECT_EQ(error_of("usb").kind, ErrorKind::kBusy);
   line.chip.refuse_claims(0);
-  // Root may open everything.
+  // Only as another user: root may open every device.
   line.chip.permit(false);
   const bool root = geteuid() == 0;
   ASSERT_EQ(root ? seteuid(65534) : 0, 0);
@@ -156,7 +156,7 @@ TEST(Usb, SaysWhatIsMissing) {
   EXPECT_TRUE(open_usb());
 }
 
-TEST(Usb, UnpluggedWhileItIsOpened) {
+TEST(Usb, FailsIfUnpluggedWhileOpening) {
   UsbLine line;
   line.chip.hold_requests(true);
   std::thread hand([&] {
@@ -189,7 +189,7 @@ TEST(Usb, WatchSeesBoardsComeAndGo) {
   caller.join();
 }
 
-TEST(Usb, ADeviceOpensABoardAsSoonAsItComes) {
+TEST(Usb, ADeviceOpensABoardAsSoonAsItIsPluggedIn) {
   UsbLine line;
   link::Device::Options options;
   options.open = [] { return link::open_transport("usb"); };
@@ -213,11 +213,11 @@ TEST(Usb, ADeviceOpensABoardAsSoonAsItComes) {
     ASSERT_TRUE(wait_for(false, i - 1));
     std::this_thread::sleep_for(Milliseconds(i * 3));
     line.plug();
-    ASSERT_TRUE(wait_for(true, i)) << device.snapshot().complaint;
+    ASSERT_TRUE(wait_for(true, i)) << device.snapshot().trouble_text;
   }
 }
 
-/// Run by the test below, in a process of its own.
+/// Runs in a process of its own, started by the test below.
 TEST(UsbChild, DISABLED_Echoes) {
   const auto transport = open_usb();
   ASSERT_TRUE(transport);

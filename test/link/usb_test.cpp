@@ -1,5 +1,5 @@
-// The USB transport on an emulated FT232H: what every transport does, and what can go wrong with
-// this chip.
+// The USB transport on a virtual FT232H: the tests of all transports, and the failures of this
+// chip.
 #include "link/usb.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ INSTANTIATE_TEST_SUITE_P(Usb, TransportTest,
                                                   [] { return std::make_unique<UsbLine>(); }}),
                          [](const auto& kind) { return kind.param.name; });
 
-/// The data may be there before the halt is counted.
+/// Waits for the count, because data may arrive before the halt is counted.
 std::uint64_t stalls(const Transport& transport, std::uint64_t expected) {
   for (int i = 0; i < 1000 && transport.counters().stalls < expected; ++i) {
     std::this_thread::sleep_for(Milliseconds(1));
@@ -33,7 +33,7 @@ std::uint64_t stalls(const Transport& transport, std::uint64_t expected) {
   return transport.counters().stalls;
 }
 
-TEST(Usb, PacketsOfAllSizes) {
+TEST(Usb, CarriesPacketsOfAllSizes) {
   for (const bool high_speed : {true, false}) {
     Options options;
     options.high_speed = high_speed;
@@ -51,7 +51,7 @@ TEST(Usb, PacketsOfAllSizes) {
   }
 }
 
-TEST(Usb, OvercomesHalts) {
+TEST(Usb, RecoversFromHalts) {
   UsbLine line;
   const auto transport = open_usb();
   ASSERT_TRUE(transport);
@@ -67,7 +67,7 @@ TEST(Usb, OvercomesHalts) {
   EXPECT_EQ(line.chip.seen().halts_cleared, 3);
 }
 
-TEST(Usb, EndlessHaltsAreAnErrorUntilRecovery) {
+TEST(Usb, FailsOnEndlessHaltsUntilRecovery) {
   UsbLine line;
   const auto transport = open_usb();
   ASSERT_TRUE(transport);
@@ -92,7 +92,7 @@ TEST(Usb, CountsOverruns) {
   EXPECT_EQ(transport->counters().stalls, 1U);
 }
 
-TEST(Usb, WhatWaitsIsBounded) {
+TEST(Usb, BoundsTheReceiveBuffer) {
   UsbLine line;
   link::UsbOptions options;
   options.transfers = 4;
@@ -109,7 +109,7 @@ TEST(Usb, WhatWaitsIsBounded) {
   EXPECT_TRUE(read_all(**transport, sent.size()) == sent);
 }
 
-TEST(Usb, UnpluggedInRecovery) {
+TEST(Usb, FailsIfUnpluggedDuringRecovery) {
   UsbLine line;
   const auto transport = open_usb();
   ASSERT_TRUE(transport);
@@ -124,7 +124,7 @@ TEST(Usb, UnpluggedInRecovery) {
   EXPECT_EQ(recovered.error().kind, ErrorKind::kUnplugged);
 }
 
-TEST(Usb, UnpluggedAtAnyTime) {
+TEST(Usb, SurvivesUnpluggingAtAnyTime) {
   std::mt19937 random(1);
   UsbLine line;
   const Bytes sent(200000, 7);

@@ -154,10 +154,10 @@ TEST_F(BoardTest, RefusesUnsupportedSettings) {
 
 TEST_F(BoardTest, RefusesIncompatibleBoards) {
   const std::vector<std::pair<Strings, Strings>> cases{
-      {{"--wrong-hash"}, {"is of specification", "flash the gateware"}},
+      {{"--wrong-hash"}, {"was built for specification", "flash the gateware"}},
       {{"--wrong-identity"}, {"no board of this kind", "IDENTITY = 0x12345678"}},
       {{"--wrong-version"}, {"gateware has version 1.0", "flash the gateware"}},
-      {{"--packet-version", "2"}, {"speaks version 2 of the packets"}},
+      {{"--packet-version", "2"}, {"packets have version 2"}},
   };
   for (const auto& [options, message] : cases) {
     start(options);

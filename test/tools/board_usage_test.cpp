@@ -29,7 +29,7 @@ TEST_F(BoardUsage, WrongUsage) {
     expect_refused("board", board_alone(arguments), 2, parts);
   };
   refused({}, {"a mode is missing", "selftest"});
-  refused({"probe", "pcie:0"}, {"'pcie:0' is no transport", "serial:PATH"});
+  refused({"probe", "pcie:0"}, {"'pcie:0' is not a transport", "serial:PATH"});
   refused({"get", "WIDHT"}, {"no register is called \"WIDHT\"", "did you mean WIDTH"});
   refused({"get", "CONTROL"}, {"CONTROL is write only"});
   refused({"set", "STATUS=1"}, {"STATUS is read only"});

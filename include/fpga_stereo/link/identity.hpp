@@ -1,4 +1,4 @@
-// Who answers at the other end, and whether this software can work with it.
+// What a board says about itself, and whether this software works with it.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,26 @@ namespace fpga_stereo::link {
 
 struct Identity {
   std::uint32_t identity = 0, spec_hash = 0;
-  int major = 0, minor = 0;  // of protocol and gateware
+  int major = 0, minor = 0;  // version of protocol and gateware
   GatewareBuild build;
   StreamSet streams;           // that the board can send, or take from the host
-  std::uint32_t clock_hz = 0;  // of the pixels
+  std::uint32_t clock_hz = 0;  // pixel clock
 
-  /// The registers that tell, in the order that from_values() takes.
+  /// Returns the addresses of the registers that identify a board.
   static std::vector<std::uint32_t> registers();
+  /// Builds an identity from those registers; missing ones count as 0.
   static Identity from_values(const std::vector<RegisterWrite>& values);
 
-  /// kIncompatible where this software cannot work with it; the message says what to flash.
+  /// Fails with kIncompatible if this software does not work with the board; the message says what
+  /// to flash.
   Status check() const;
   bool supports(Stream stream) const { return streams.contains(stream); }
 
-  /// For people: "gateware 0.1, 640 px wide, 64 disparities, sparse census 11, ...".
+  /// Returns a text for people: "gateware 0.1, 640 px wide, 64 disparities, sparse census 11, ...".
   std::string text() const;
 };
 
-/// The board speaks another version of the packets: what to do, for people.
+/// Returns a message for people about a board whose packets have another version.
 std::string version_text(int version);
 
 }  // namespace fpga_stereo::link
