@@ -57,11 +57,11 @@ std::array<std::uint8_t, kHeaderBytes> pack(const Header& header) {
 }
 
 std::uint32_t payload_crc(const std::uint8_t* packet, std::size_t length) {
-  return crc32c(packet + kHeaderBytes - kCrcBytes, kCrcBytes + length);
+  return crc32c(packet + kLinkHeaderCrcAt, kCrcBytes + length);
 }
 
 std::optional<Header> unpack(const std::uint8_t* bytes) {
-  if (get_u32(bytes) != kSync) return std::nullopt;
+  if (get_u32(bytes + kLinkHeaderSyncAt) != kSync) return std::nullopt;
   if (get_u32(bytes + kLinkHeaderCrcAt) != crc32c(bytes, kHeaderBytes - kCrcBytes))
     return std::nullopt;
   Header header;
