@@ -254,7 +254,7 @@ void FrameAssembler::reset(std::vector<AssembledFrame>& out) {
 
 std::optional<std::uint64_t> FrameAssembler::frame_in_flight(Stream stream) const {
   const auto number = static_cast<std::size_t>(stream);
-  if (number >= frames_.size() || !frames_[number].open) return std::nullopt;
+  if (number >= frames_.size() || !frames_[number].is_open) return std::nullopt;
   return frames_[number].assembled.frame_id;
 }
 

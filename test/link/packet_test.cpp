@@ -92,7 +92,7 @@ TEST(Packet, RefusesAPayloadThatIsTooLong) {
     append_packet(Header{}, payload.data(), payload.size(), stream);
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "payload is 8193 bytes, allowed: up to 8192");
+    EXPECT_STREQ(error.what(), "payload has 8193 bytes; allowed are up to 8192");
   }
 }
 

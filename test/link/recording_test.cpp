@@ -135,7 +135,8 @@ TEST_F(Recording, NamesTheDamage) {
     EXPECT_EQ(read.size(), damage[0] == 7 ? 4U : 3U);
     EXPECT_EQ(end.kind, ErrorKind::kIo) << damage[0];
     const std::size_t at = damage[0] == 7 ? second + 17 : second;
-    EXPECT_NE(end.message.find("no record at byte " + std::to_string(at) + ","), std::string::npos)
+    EXPECT_NE(end.message.find("byte " + std::to_string(at) + " does not begin a record"),
+              std::string::npos)
         << end.message;
   }
 }
@@ -147,7 +148,7 @@ TEST_F(Recording, RefusesOtherFiles) {
   Bytes file = header();
   file[0] = 'f';
   replay(file, error);
-  EXPECT_NE(error.message.find("no recording of a link"), std::string::npos) << error.message;
+  EXPECT_NE(error.message.find("not a recording of a link"), std::string::npos) << error.message;
   file = header();
   file[8] = 2;
   replay(file, error);

@@ -57,7 +57,8 @@ TEST(TransportName, MayEndInANumberIfSuchAFileExists) {
   EXPECT_EQ(serial.error().message, path + " is not a serial line");
   const auto replay = link::open_transport("replay:" + path + ":0.5");
   ASSERT_FALSE(replay);
-  EXPECT_EQ(replay.error().message.find(path + " is no recording"), 0U) << replay.error().message;
+  EXPECT_EQ(replay.error().message.find(path + " is not a recording"), 0U)
+      << replay.error().message;
 }
 
 }  // namespace
