@@ -49,7 +49,7 @@ TEST_F(BoardUsage, NoBoard) {
                  {at("none"), "cannot be opened"});
   write_text("text", "no recording\n");
   expect_refused("board", board_alone({"measure", "replay:" + at("text")}), 1,
-                 {"is no recording of a link"});
+                 {"is not a recording of a link"});
 }
 
 TEST_F(BoardUsage, UdevRule) {
