@@ -202,7 +202,7 @@ TEST(Usb, ADeviceOpensABoardAsSoonAsItIsPluggedIn) {
     const auto deadline = Clock::now() + Milliseconds(10000);
     while (Clock::now() < deadline) {
       const link::Device::Snapshot now = device.snapshot();
-      if (now.description.empty() != open && now.opened >= times) return true;
+      if (now.description.empty() != open && now.times_opened >= times) return true;
       std::this_thread::sleep_for(Milliseconds(1));
     }
     return false;
