@@ -195,8 +195,9 @@ TEST_F(Board, IsRefusedIfItsSpecificationDiffers) {
   std_srvs::Trigger info;
   ASSERT_TRUE(ros::service::call(rig_.nh().resolveName("fpga_stereo/device_info"), info));
   EXPECT_FALSE(info.response.success);
-  EXPECT_NE(info.response.message.find("the board's gateware was built for specification 0xDEADBEEF"),
-            std::string::npos)
+  EXPECT_NE(
+      info.response.message.find("the board's gateware was built for specification 0xDEADBEEF"),
+      std::string::npos)
       << info.response.message;
   EXPECT_TRUE(log.any([](const rosgraph_msgs::Log& line) {
     return line.level == rosgraph_msgs::Log::ERROR &&
