@@ -155,7 +155,7 @@ TEST_F(BoardTest, RefusesUnsupportedSettings) {
 TEST_F(BoardTest, RefusesIncompatibleBoards) {
   const std::vector<std::pair<Strings, Strings>> cases{
       {{"--wrong-hash"}, {"was built for specification", "flash the gateware"}},
-      {{"--wrong-identity"}, {"no board of this kind", "IDENTITY = 0x12345678"}},
+      {{"--wrong-identity"}, {"the device is not an fpga_stereo board", "IDENTITY = 0x12345678"}},
       {{"--wrong-version"}, {"gateware has version 1.0", "flash the gateware"}},
       {{"--packet-version", "2"}, {"packets have version 2"}},
   };

@@ -107,7 +107,7 @@ TEST_F(Extract, PairsByStampAndReportsTheRest) {
   for (const std::string name :
        {"/stereo/left/image_raw of 1.000000000", "/stereo/left/image_raw of 5.000000000",
         "/stereo/right/image_raw of 4.000000000", "/stereo/disparity of 5.000000000",
-        "no left.yaml"}) {
+        "left.yaml is not written"}) {
     EXPECT_NE(run.err.find(name), std::string::npos) << name << " in: " << run.err;
   }
   EXPECT_EQ(run.err.find("2.000000000"), std::string::npos) << run.err;

@@ -164,7 +164,8 @@ TEST_F(SimulateUsage, UnsupportedSizes) {
   refused({15, 20}, {"image width = 15", "allows 16 to 640"});
   refused({1281, 20}, {"image width = 1281", "allows 16 to 1280"});
   const std::string image = write("other.png", cv::Mat1b(61, 98, std::uint8_t{0}));
-  expect_refused(simulate({left_, image, at("out.png")}), 1, {"97x61", "98x61", "one size"});
+  expect_refused(simulate({left_, image, at("out.png")}), 1,
+                 {"97x61", "98x61", "the sizes must be equal"});
 }
 
 TEST_F(SimulateUsage, WithoutVerilator) {
