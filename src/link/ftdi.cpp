@@ -15,7 +15,7 @@ namespace fpga_stereo::link {
 namespace {
 
 constexpr std::uint8_t kReset = 0x00, kSetFlowControl = 0x02, kSetLatency = 0x09;
-constexpr std::uint8_t kGetLatency = 0x0A, kSetBitMode = 0x0B, kReadEeprom = 0x90;
+constexpr std::uint8_t kGetLatency = 0x0A, kSetBitMode = 0x0B;
 constexpr std::uint16_t kResetAll = 0, kPurgeOne = 1, kPurgeOther = 2;
 constexpr std::uint16_t kModeReset = 0x00FF, kModeSyncFifo = 0x40FF;  // all pins
 constexpr std::uint16_t kRtsCts = 0x0100;

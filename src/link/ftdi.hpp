@@ -9,6 +9,9 @@
 
 namespace fpga_stereo::link {
 
+/// The vendor request that reads a word of the EEPROM.
+constexpr std::uint8_t kReadEeprom = 0x90;
+
 /// The payload of a transfer.
 struct Stripped {
   std::size_t size = 0;   // bytes of payload, moved to the front

@@ -54,10 +54,10 @@ HotplugWatch::~HotplugWatch() {
 }
 
 bool HotplugWatch::wait(std::chrono::milliseconds timeout) {
-  using Clock = std::chrono::steady_clock;
-  const auto until = Clock::now() + timeout;
+  const auto until = std::chrono::steady_clock::now() + timeout;
   while (!state_->has_changed && !state_->is_interrupted) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
     if (left.count() <= 0) break;
     const UsbContext context = state_->get();
     if (!context) {

@@ -15,7 +15,6 @@ namespace {
 
 constexpr unsigned kRequestTimeout = 500;  // ms
 constexpr int kInterface = 0;
-constexpr std::uint8_t kReadEeprom = 0x90;
 
 /// A device that is plugged in.
 struct Board {
