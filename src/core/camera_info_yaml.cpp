@@ -16,7 +16,7 @@
 namespace fpga_stereo {
 namespace {
 
-constexpr std::size_t kMaxFileBytes = 64 * 1024;
+constexpr std::size_t kMaxFileBytes = std::size_t{64} * 1024;
 constexpr int kMaxSide = 65535;       // px, of a calibrated image
 constexpr int kMaxCoefficients = 14;  // OpenCV's largest distortion model
 constexpr std::size_t kMaxQuotedBytes = 40;

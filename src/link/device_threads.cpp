@@ -218,7 +218,7 @@ Status DeviceThreads::write_some() {
 }
 
 Status DeviceThreads::exchange() {
-  if (const Status written = write_some(); !written) return written;
+  if (Status written = write_some(); !written) return written;
   const bool has_more = written_ < out_.size();
   const auto count =
       transport_->read(in_.data(), in_.size(), has_more ? Transport::Timeout{1} : kReadTimeout);

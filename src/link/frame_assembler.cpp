@@ -124,7 +124,7 @@ void append_frame(const Header& frame, const cv::Mat& image, std::uint32_t confi
 }
 
 std::string AssembledFrame::text() const {
-  const std::string frame = fmt::format("{} frame {}", name(stream), frame_id);
+  std::string frame = fmt::format("{} frame {}", name(stream), frame_id);
   const std::string rows = fmt::format("{} of {} rows are missing", missing_rows, height);
   switch (verdict) {
     case Verdict::kGood:
