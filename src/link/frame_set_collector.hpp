@@ -30,7 +30,7 @@ class FrameSetCollector {
     FrameSet set;
     StreamSet begun, ended;
   };
-  /// Returns the entry of a frame_id; creates it if there is none.
+  /// Returns the entry of a frame_id; creates a missing one.
   Entry& entry(std::uint64_t frame_id);
   void move_first(std::size_t count, std::vector<FrameSet>& out);
 

@@ -1,4 +1,4 @@
-// speckle: regions as runs of connected pixels, of which there are far fewer than pixels.
+// speckle: finds regions from runs of connected pixels; a row has far fewer runs than pixels.
 #pragma once
 
 #include <cstdint>
