@@ -14,7 +14,7 @@ package fs_pkg;
   localparam int StageMatch = 2;     // sums Hamming distances over a window
   localparam int StageSelect = 3;    // finds the smallest sum, left and right
   localparam int StageCheck = 4;     // applies the left-right check and the uniqueness check
-  localparam int StageSubpixel = 5;  // fits a parabola through five sums
+  localparam int StageSubpixel = 5;  // finds the fraction of the disparity
   localparam int StageSpeckle = 6;   // drops small regions
   localparam int NumStages = 7;
 
@@ -231,7 +231,7 @@ package fs_pkg;
 
   // SPECKLE_SIZE (rw): speckle drops regions of fewer pixels; 0 turns it off; up to SpeckleMax
   localparam logic [7:0] RegSpeckleSize = 8'h16;
-  localparam logic [31:0] RegSpeckleSizeReset = 32'h00000190;
+  localparam logic [31:0] RegSpeckleSizeReset = 32'h0000003C;
   localparam int SpeckleSizePixelsLsb = 0;
   localparam int SpeckleSizePixelsBits = 10;
 

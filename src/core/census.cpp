@@ -2,12 +2,23 @@
 
 #include "core/census_window.hpp"
 #include "core/stages.hpp"
+#include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo {
 
 std::vector<cv::Point> census_neighbours(const Parameters& p) {
-  const int radius = p.census_window_size / 2;
   std::vector<cv::Point> neighbours;
+  if (p.stereo_algorithm == StereoAlgorithm::kSgm) {
+    for (const int distance : {1, kSgmCensusDistance}) {
+      for (int dy = -distance; dy <= distance; dy += distance) {
+        for (int dx = -distance; dx <= distance; dx += distance) {
+          if (dx != 0 || dy != 0) neighbours.emplace_back(dx, dy);
+        }
+      }
+    }
+    return neighbours;
+  }
+  const int radius = p.census_window_size / 2;
   for (int dy = -radius; dy <= radius; ++dy) {
     for (int dx = -radius; dx <= radius; ++dx) {
       const bool centre = dx == 0 && dy == 0;

@@ -8,7 +8,7 @@
 
 namespace fpga_stereo {
 
-/// Returns the offsets from the centre in raster order. There is one census bit per offset.
+/// Returns the offsets from the centre in the order of the census bits, one per bit.
 std::vector<cv::Point> census_neighbours(const Parameters& parameters);
 
 }  // namespace fpga_stereo

@@ -17,7 +17,7 @@ void check(const Selection& s, const Parameters& p, cv::Range rows, cv::Mat1b& k
         const int d = s.winner(y, x);
         keep = x - d >= 0 && std::abs(s.right_winner(y, x - d) - d) <= p.disp12MaxDiff;
       }
-      if (p.uniqueness_check) {
+      if (p.uniqueness_check && !p.dense) {
         keep = keep && kUniquenessScale * s.runner_up_sum(y, x) > factor * s.winner_sum(y, x);
       }
       kept(y, x) = keep ? 1 : 0;

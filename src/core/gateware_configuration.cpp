@@ -53,7 +53,7 @@ int GatewareBuild::min_width() const { return std::max(kGatewareMinWidth, correl
 
 GatewareBuild GatewareBuild::from_registers(std::uint32_t build, std::uint32_t line_rows,
                                             std::uint32_t mesh_nodes) {
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   set_parameters(parameters, spec::kRegBuild, build);
   GatewareBuild made;
   made.max_width = static_cast<int>(spec::kBuildMaxWidth.get(build));
@@ -77,7 +77,7 @@ bool GatewareBuild::operator==(const GatewareBuild& other) const {
 }
 
 Parameters parameters_of(const GatewareBuild& build) {
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   parameters.disparity_range = build.disparities;
   parameters.census_window_size = build.census_window;
   parameters.census_pattern = build.census_pattern;

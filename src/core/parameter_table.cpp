@@ -21,12 +21,38 @@ const std::vector<ParameterInfo>& parameter_table() {
        "smallest disparity searched; a larger value brings the search range closer"},
       {"disparity_range", &Parameters::disparity_range, 8, 256, 4, "px", {}, true,
        "number of disparities searched; time grows with it"},
+      {"stereo_algorithm", &Parameters::stereo_algorithm, 0, 1, 1, "", {"window", "sgm"}, true,
+       "how matching costs are aggregated"},
+      {"sgm_build", &Parameters::sgm_build, 0, 1, 1, "", {"full", "small"}, true,
+       "paths of semi-global matching"},
+      {"dense", &Parameters::dense, 0, 1, 1, "", {}, true,
+       "give every pixel a disparity: fill the gaps, then smooth; the uniqueness check is off"},
       {"census_window_size", &Parameters::census_window_size, 5, 11, 2, "px", {}, true,
        "side of the census window"},
       {"census_pattern", &Parameters::census_pattern, 0, 1, 1, "", {"sparse", "full"}, true,
        "neighbours that the census transform compares with the centre of its window"},
       {"correlation_window_size", &Parameters::correlation_window_size, 5, 21, 2, "px", {}, true,
        "side of the window for sums: large is smooth, small is detailed"},
+      {"cost_difference_limit", &Parameters::cost_difference_limit, 0, 31, 1, "", {}, false,
+       "largest difference of grey values that counts; 0: the census bits alone decide"},
+      {"cost_difference_shift", &Parameters::cost_difference_shift, 0, 4, 1, "bit", {}, false,
+       "shift of the difference: each step halves its weight against a census bit"},
+      {"cost_outside", &Parameters::cost_outside, 0, 31, 1, "", {}, false,
+       "pixel cost where the right image ends"},
+      {"cost_shift", &Parameters::cost_shift, 0, 6, 1, "bit", {}, false,
+       "shift that reduces the sum of pixel costs to the matching cost"},
+      {"sgm_p1", &Parameters::sgm_p1, 0, 15, 1, "", {}, false,
+       "penalty where the disparity changes by 1 px; P1 of stereo_image_proc has another scale"},
+      {"sgm_p2", &Parameters::sgm_p2, 6, 15, 1, "", {}, false,
+       "penalty where it changes by more, between pixels of similar grey"},
+      {"sgm_p2_edge", &Parameters::sgm_p2_edge, 6, 15, 1, "", {}, false,
+       "the same at an edge"},
+      {"sgm_p2_strong_edge", &Parameters::sgm_p2_strong_edge, 6, 15, 1, "", {}, false,
+       "the same at a strong edge"},
+      {"sgm_edge", &Parameters::sgm_edge, 0, 255, 1, "", {}, false,
+       "difference of smoothed grey values from which a pair of pixels is an edge"},
+      {"sgm_strong_edge", &Parameters::sgm_strong_edge, 0, 255, 1, "", {}, false,
+       "difference from which it is a strong edge"},
       {"left_right_check", &Parameters::left_right_check, 0, 1, 1, "", {}, false,
        "drop pixels where the search from the right image disagrees"},
       {"disp12MaxDiff", &Parameters::disp12MaxDiff, 0, 128, 1, "px", {}, false,
@@ -41,8 +67,20 @@ const std::vector<ParameterInfo>& parameter_table() {
        "drop connected regions of fewer pixels; 0 turns the filter off"},
       {"speckle_range", &Parameters::speckle_range, 0, 31, 1, "px", {}, false,
        "largest disparity step between neighbours of one region"},
+      {"median_difference", &Parameters::median_difference, 0, 255, 1, "", {}, false,
+       "largest difference of grey values between a pixel and those that its median includes"},
   };
   return table;
+}
+
+std::string to_text(StereoAlgorithm value) {
+  constexpr const char* kNames[]{"window", "sgm"};
+  return kNames[static_cast<int>(value)];
+}
+
+std::string to_text(SgmBuild value) {
+  constexpr const char* kNames[]{"full", "small"};
+  return kNames[static_cast<int>(value)];
 }
 
 std::string to_text(CensusPattern value) {

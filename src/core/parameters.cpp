@@ -55,6 +55,12 @@ Error refusal(const ParameterInfo& info, const std::string& text) {
 
 }  // namespace
 
+Parameters window_parameters() {
+  Parameters parameters;
+  parameters.stereo_algorithm = StereoAlgorithm::kWindow;
+  return parameters;
+}
+
 std::string allowed_values(const ParameterInfo& info) {
   if (std::holds_alternative<bool Parameters::*>(info.member)) return "true or false";
   if (!info.choices.empty()) return fmt::format("{}", fmt::join(info.choices, " or "));

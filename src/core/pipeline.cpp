@@ -54,7 +54,8 @@ const DisparityFrame& Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat
                                         const StereoRectification& rectification,
                                         const Parameters& parameters, int num_threads) {
 #ifdef FPGA_STEREO_SIMD
-  if (target() != kScalarTarget) {
+  const bool has_simd = parameters.stereo_algorithm == StereoAlgorithm::kWindow && !parameters.dense;
+  if (target() != kScalarTarget && has_simd) {
     implementation_->simd.process(left_raw, right_raw, rectification, parameters, num_threads,
                                   frame_);
     return frame_;

@@ -20,11 +20,12 @@ const Taps& ReferencePipeline::process(const cv::Mat1b& left_raw, const cv::Mat1
                                        const StereoRectification& rectification,
                                        const Parameters& parameters, int num_threads) {
   Taps& t = taps_;
+  t.ms = {};
   const cv::Size size = rectification.geometry.image_size;
   const auto timed = [&](Stage stage, const std::function<void(cv::Range)>& work) {
     const auto start = Clock::now();
     for_each_band(size.height, num_threads, [&](int, cv::Range rows) { work(rows); });
-    t.ms[static_cast<std::size_t>(stage)] = ms_since(start);
+    t.ms[static_cast<std::size_t>(stage)] += ms_since(start);
   };
   for (cv::Mat1b* image : {&t.left, &t.right, &t.kept}) image->create(size);
   t.refined.create(size);
@@ -41,15 +42,55 @@ const Taps& ReferencePipeline::process(const cv::Mat1b& left_raw, const cv::Mat1
     census(t.left, parameters, rows, t.left_bits);
     census(t.right, parameters, rows, t.right_bits);
   });
-  match_and_select(parameters, num_threads);
+  const bool is_sgm = parameters.stereo_algorithm == StereoAlgorithm::kSgm;
+  if (is_sgm) {
+    aggregate_and_select(parameters);
+  } else {
+    match_and_select(parameters, num_threads);
+  }
   timed(Stage::kCheck, [&](cv::Range rows) { check(t.selection, parameters, rows, t.kept); });
-  timed(Stage::kSubpixel,
-        [&](cv::Range rows) { subpixel(t.selection, t.kept, parameters, rows, t.refined); });
+  timed(Stage::kSubpixel, [&](cv::Range rows) {
+    if (is_sgm) {
+      fit_subpixel(t.left_bits, t.right_bits, t.selection, t.kept, parameters, rows, t.refined);
+    } else {
+      subpixel(t.selection, t.kept, parameters, rows, t.refined);
+    }
+  });
   const auto start = Clock::now();
-  t.refined.copyTo(t.disparity);
-  speckle(parameters, t.disparity);
+  t.refined.copyTo(t.filtered);
+  speckle(parameters, t.filtered);
   t.ms[static_cast<std::size_t>(Stage::kSpeckle)] = ms_since(start);
+  t.filled.release();
+  t.disparity = t.filtered;
+  if (parameters.dense) {
+    t.filled = t.filtered.clone();
+    timed(Stage::kFill, [&](cv::Range rows) { fill(rows, t.filled); });
+    cv::Mat1w smooth(size);
+    t.disparity = cv::Mat1w(size);
+    timed(Stage::kMedian,
+          [&](cv::Range rows) { masked_median(t.left, t.filled, parameters, rows, smooth); });
+    timed(Stage::kMedian, [&](cv::Range rows) { median(smooth, rows, t.disparity); });
+  }
   return t;
+}
+
+void ReferencePipeline::aggregate_and_select(const Parameters& parameters) {
+  Taps& t = taps_;
+  auto start = Clock::now();
+  const auto lap = [&](Stage stage) {
+    t.ms[static_cast<std::size_t>(stage)] += ms_since(start);
+    start = Clock::now();
+  };
+  cost_.start(t.left, t.right, t.left_bits, t.right_bits, parameters, 0);
+  aggregate_.start(t.left, parameters);
+  for (int y = 0; y < t.left.rows; ++y) {
+    const cv::Mat1b& costs = cost_.next();
+    lap(Stage::kCost);
+    const cv::Mat1w& sums = aggregate_.next(costs);
+    lap(Stage::kAggregate);
+    select(sums, y, t.selection);
+    lap(Stage::kSelect);
+  }
 }
 
 void ReferencePipeline::match_and_select(const Parameters& parameters, int num_threads) {

@@ -17,8 +17,11 @@ struct Taps {
   cv::Mat left_bits, right_bits;  // census
   Selection selection;
   cv::Mat1b kept;
-  cv::Mat1w refined;    // output of subpixel
-  cv::Mat1w disparity;  // output of speckle, the result: 1/32 px; kNoDisparity if invalid
+  cv::Mat1w refined;   // output of subpixel
+  cv::Mat1w filtered;  // output of speckle
+  cv::Mat1w filled;    // output of fill; empty unless dense
+  // The result, which is the output of the last stage: 1/32 px; kNoDisparity if invalid.
+  cv::Mat1w disparity;
   StageTimes ms{};
 };
 
@@ -32,9 +35,12 @@ class ReferencePipeline {
 
  private:
   void match_and_select(const Parameters& parameters, int num_threads);
+  void aggregate_and_select(const Parameters& parameters);
 
   Taps taps_;
   std::vector<Match> matches_;  // one per band
+  Cost cost_;
+  Aggregate aggregate_;
 };
 
 }  // namespace fpga_stereo

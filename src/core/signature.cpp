@@ -1,5 +1,7 @@
 #include "core/signature.hpp"
 
+#include <algorithm>
+
 namespace fpga_stereo {
 namespace {
 
@@ -49,10 +51,11 @@ std::uint32_t image_signature(const cv::Mat& image) {
   return s.value();
 }
 
-std::array<std::uint32_t, kNumStages> stage_signatures(const Taps& taps, const Parameters& p) {
-  std::array<Signature, kNumStages> signatures;
+std::array<std::uint32_t, kNumGatewareStages> stage_signatures(const Taps& taps, const Parameters& p) {
+  std::array<Signature, kNumGatewareStages> signatures;
   const auto add = [&](Stage stage, std::uint32_t word) {
-    signatures[static_cast<std::size_t>(stage)].add(word);
+    const auto at = std::find(kGatewareStages.begin(), kGatewareStages.end(), stage);
+    signatures[static_cast<std::size_t>(at - kGatewareStages.begin())].add(word);
   };
   const int words = taps.left_bits.channels();
   Match match;
@@ -69,10 +72,10 @@ std::array<std::uint32_t, kNumStages> stage_signatures(const Taps& taps, const P
       add(Stage::kSelect, select_word(taps.selection, x, y));
       add(Stage::kCheck, taps.kept(y, x));
       add(Stage::kSubpixel, taps.refined(y, x));
-      add(Stage::kSpeckle, taps.disparity(y, x));
+      add(Stage::kSpeckle, taps.filtered(y, x));
     }
   }
-  std::array<std::uint32_t, kNumStages> values{};
+  std::array<std::uint32_t, kNumGatewareStages> values{};
   for (std::size_t stage = 0; stage < values.size(); ++stage) {
     values[stage] = signatures[stage].value();
   }

@@ -40,8 +40,8 @@ std::uint32_t select_word(const Selection& s, int x, int y);
 /// Returns the signature of an image (8UC1 or 16UC1) whose pixels are the words.
 std::uint32_t image_signature(const cv::Mat& image);
 
-/// Returns the signatures of a frame, indexed by Stage. Taps have no window sums, so match runs
-/// again.
-std::array<std::uint32_t, kNumStages> stage_signatures(const Taps& taps, const Parameters& p);
+/// Returns the signatures of a frame of window matching, in the order of kGatewareStages. Taps have
+/// no window sums, so match runs again.
+std::array<std::uint32_t, kNumGatewareStages> stage_signatures(const Taps& taps, const Parameters& p);
 
 }  // namespace fpga_stereo

@@ -25,7 +25,7 @@ cv::Mat1b random_bytes(int rows, int cols, int end) {
 }
 
 Parameters parameters(CensusPattern pattern = CensusPattern::kSparse) {
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = kRange;
   p.census_pattern = pattern;
   return p;

@@ -31,7 +31,7 @@ double average_bad_percent(CensusPattern pattern) {
   double sum = 0;
   for (const std::string& name : middlebury_names()) {
     const MiddleburyPair pair = middlebury_pair(name);
-    Parameters p;
+    Parameters p = window_parameters();
     p.census_pattern = pattern;
     p.disparity_range = pair.disparity_range;
     p.left_right_check = p.uniqueness_check = p.subpixel = false;

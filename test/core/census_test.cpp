@@ -10,7 +10,7 @@ namespace fpga_stereo::test {
 namespace {
 
 Parameters census_parameters(int size, CensusPattern pattern) {
-  Parameters p;
+  Parameters p = window_parameters();
   p.census_window_size = size;
   p.census_pattern = pattern;
   return p;

@@ -40,13 +40,13 @@ bool is_unique(double ratio, int winner_sum, int runner_up_sum) {
   Selection s = agreeing_row();
   s.winner_sum = winner_sum;
   s.runner_up_sum = runner_up_sum;
-  Parameters p;
+  Parameters p = window_parameters();
   p.uniqueness_ratio = ratio;
   return check_of(s, p)(0, 10) == 1;
 }
 
 TEST(Check, KeepsPixelsThatAgree) {
-  const cv::Mat1b kept = check_of(agreeing_row(), Parameters());
+  const cv::Mat1b kept = check_of(agreeing_row(), window_parameters());
   // The partners of the first five pixels lie left of the right image.
   EXPECT_EQ(cv::countNonZero(kept.colRange(0, 5)), 0);
   EXPECT_EQ(cv::countNonZero(kept.colRange(5, 20) == 1), 15);
@@ -57,7 +57,7 @@ TEST(Check, MaximumDifference) {
     for (int difference = -4; difference <= 4; ++difference) {
       Selection s = agreeing_row();
       s.right_winner(0, 10 - 5) = static_cast<std::uint8_t>(5 + difference);
-      Parameters p;
+      Parameters p = window_parameters();
       p.disp12MaxDiff = max_difference;
       EXPECT_EQ(check_of(s, p)(0, 10), std::abs(difference) <= max_difference ? 1 : 0)
           << max_difference << " " << difference;
@@ -101,7 +101,7 @@ TEST(Check, EachCheckCanBeSwitchedOff) {
   s.runner_up_sum(0, 12) = 10;  // pixel 12 is not unique
   for (const bool left_right : {false, true}) {
     for (const bool uniqueness : {false, true}) {
-      Parameters p;
+      Parameters p = window_parameters();
       p.left_right_check = left_right;
       p.uniqueness_check = uniqueness;
       const cv::Mat1b kept = check_of(s, p);
@@ -119,7 +119,7 @@ TEST(Check, EqualsTheNaiveModel) {
     for (const double ratio : {0.0, 5.5, 33.0, 99.9}) {
       for (const int difference : {0, 1, 7}) {
         for (int switches = 0; switches < 4; ++switches) {
-          Parameters p;
+          Parameters p = window_parameters();
           p.uniqueness_ratio = ratio;
           p.disp12MaxDiff = difference;
           p.left_right_check = (switches & 1) != 0;
@@ -140,7 +140,7 @@ TEST(Check, EqualsTheNaiveModel) {
 
 TEST(Check, WritesTheGivenRowsOnly) {
   const Selection s = random_selection({15, 9}, 8, 42);
-  const Parameters p;
+  const Parameters p = window_parameters();
   cv::Mat1b kept(9, 15, std::uint8_t{77});
   cv::Mat1b expected = kept.clone();
   naive::check(s, p).rowRange(2, 6).copyTo(expected.rowRange(2, 6));

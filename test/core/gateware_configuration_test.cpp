@@ -88,11 +88,11 @@ TEST(ParameterRegisters, KeepTheirAddressesInTheConfiguration) {
 }
 
 TEST(ParameterRegisters, IgnoreOtherRegisters) {
-  Parameters p;
+  Parameters p = window_parameters();
   set_parameters(p, spec::kRegWidth, 0xFFFFFFFF);
   set_parameters(p, 0xFFFFFFFF, 0);
   for (const ParameterInfo& info : parameter_table()) {
-    EXPECT_EQ(to_text(p, info), to_text(Parameters(), info)) << info.name;
+    EXPECT_EQ(to_text(p, info), to_text(window_parameters(), info)) << info.name;
   }
 }
 
@@ -118,7 +118,7 @@ TEST(GatewareBuild, FixesItsParameters) {
 TEST(GatewareConfiguration, WritesShadowThenMeshesThenApply) {
   StereoGeometry geometry;
   geometry.image_size = {64, 16};
-  const auto made = make_gateware_configuration(GatewareBuild{}, Parameters{},
+  const auto made = make_gateware_configuration(GatewareBuild{}, window_parameters(),
                                                 identity_rectification(geometry, 3));
   ASSERT_TRUE(made);
   const std::size_t nodes = 9 * 3;
@@ -138,12 +138,12 @@ TEST(GatewareConfiguration, WritesShadowThenMeshesThenApply) {
 TEST(GatewareConfiguration, RefusesWhatTheBuildDoesNotSupport) {
   StereoGeometry geometry;
   geometry.image_size = {656, 16};
-  const auto wide = make_gateware_configuration(GatewareBuild{}, Parameters{},
+  const auto wide = make_gateware_configuration(GatewareBuild{}, window_parameters(),
                                                 identity_rectification(geometry, 0));
   ASSERT_FALSE(wide);
   EXPECT_EQ(wide.error().message, "image width = 656: this gateware allows 16 to 640");
   geometry.image_size = {640, 16};
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   parameters.disparity_range = 96;
   const auto deep =
       make_gateware_configuration(GatewareBuild{}, parameters, identity_rectification(geometry, 0));

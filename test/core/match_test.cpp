@@ -11,7 +11,7 @@ namespace {
 Parameters match_parameters(int range, int correlation,
                             CensusPattern pattern = CensusPattern::kSparse,
                             int census_window = 11) {
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = range;
   p.correlation_window_size = correlation;
   p.census_pattern = pattern;

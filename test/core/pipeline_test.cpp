@@ -53,7 +53,7 @@ TEST_P(Pipelines, EverySizeFromOnePixel) {
                               {127, 9},
                               {129, 40},
                               {320, 24}}) {
-    Parameters p;
+    Parameters p = window_parameters();
     p.disparity_range = 32;
     p.correlation_window_size = 7;
     p.speckle_size = 12;
@@ -70,7 +70,7 @@ TEST_P(Pipelines, EveryRange) {
   const cv::Size size(150, 12);
   const SlantedPair pair = textured_pair(size, 8);
   for (const int range : {8, 12, 16, 20, 28, 32, 36, 60, 64, 68, 96, 100, 128, 160, 252, 256}) {
-    Parameters p;
+    Parameters p = window_parameters();
     p.disparity_range = range;
     p.speckle_size = 20;
     ASSERT_TRUE(equal(pair.left, pair.right, random_rectification(size, 8), {p, 8, "range"}, 3));
@@ -84,7 +84,7 @@ TEST_P(Pipelines, EveryWindowAndPattern) {
   for (int correlation = 5; correlation <= 21; correlation += 2) {
     for (int census = 5; census <= 11; census += 2) {
       for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-        Parameters p;
+        Parameters p = window_parameters();
         p.disparity_range = 24;
         p.correlation_window_size = correlation;
         p.census_window_size = census;
@@ -102,7 +102,7 @@ TEST_P(Pipelines, EverySwitchAndThreshold) {
   const SlantedPair pair = textured_pair(size, 10);
   for (int switches = 0; switches < 16; ++switches) {
     for (const double ratio : {0.0, 12.5, 100.0}) {
-      Parameters p;
+      Parameters p = window_parameters();
       p.disparity_range = 32;
       p.left_right_check = (switches & 1) != 0;
       p.uniqueness_check = (switches & 2) != 0;
@@ -119,7 +119,7 @@ TEST_P(Pipelines, EverySwitchAndThreshold) {
 TEST_P(Pipelines, ExtremeImages) {
   const cv::Size size(70, 26);
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-    Parameters p;
+    Parameters p = window_parameters();
     p.disparity_range = 32;
     p.correlation_window_size = 21;  // the largest sums
     p.census_pattern = pattern;
@@ -136,7 +136,7 @@ TEST_P(Pipelines, ExtremeImages) {
 TEST_P(Pipelines, MeshesThatLeaveTheImage) {
   const cv::Size size(100, 40);
   const SlantedPair pair = textured_pair(size, 11);
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 16;
   for (const int max_units : {0, 128, 2000, 32767}) {
     ASSERT_TRUE(equal(pair.left, pair.right, random_rectification(size, 11, max_units + 1),
@@ -147,7 +147,7 @@ TEST_P(Pipelines, MeshesThatLeaveTheImage) {
 TEST_P(Pipelines, ThreadsChangeNothing) {
   const cv::Size size(61, 37);
   const SlantedPair pair = textured_pair(size, 7);
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 32;
   p.speckle_size = 50;
   for (const int threads : {1, 2, 3, 7, 37, 200}) {

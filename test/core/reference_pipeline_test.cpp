@@ -11,7 +11,7 @@ namespace fpga_stereo::test {
 namespace {
 
 Parameters small_search() {
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 16;
   p.correlation_window_size = 7;
   p.census_window_size = 7;
@@ -74,7 +74,7 @@ TEST(ReferencePipeline, EqualsTheNaiveModel) {
 
 TEST(ReferencePipeline, DefaultsEqualTheNaiveModel) {
   const cv::Size size(96, 24);
-  const Parameters p;
+  const Parameters p = window_parameters();
   const SlantedPair pair = textured_pair(size, 3);
   ReferencePipeline pipeline;
   const StereoRectification r = identity_for(size);
@@ -117,7 +117,7 @@ TEST(ReferencePipeline, ExtremeImages) {
 TEST(ReferencePipeline, ThreadsAndRepetitionChangeNothing) {
   const cv::Size size(61, 37);
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-    Parameters p;
+    Parameters p = window_parameters();
     p.disparity_range = 32;
     p.census_pattern = pattern;
     p.speckle_size = 50;

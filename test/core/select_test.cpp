@@ -113,7 +113,7 @@ TEST(Select, EqualsTheNaiveModel) {
           sums.convertTo(all.back(), CV_32S);
           select(padded(sums, seed), y, actual);
         }
-        Parameters p;
+        Parameters p = window_parameters();
         p.disparity_range = range;
         ASSERT_TRUE(same("select", naive::select(all), actual, {p, seed, "random sums"}))
             << "sums below " << end;

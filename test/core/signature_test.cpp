@@ -127,7 +127,7 @@ TEST(SignatureWord, SelectByHand) {
 }
 
 struct Frame {
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   Taps taps;
 };
 
@@ -150,7 +150,7 @@ TEST(StageSignatures, EqualThoseOfTheWordsOfEveryPixel) {
     const auto [p, t] = frame(pattern);
     const naive::Sums sums = naive::match(t.left_bits, t.right_bits, p);
     const int channels = t.left_bits.channels();
-    std::array<Words, kNumStages> words;
+    std::array<Words, kNumGatewareStages> words;
     for (int y = 0; y < t.left.rows; ++y) {
       const cv::Mat1w row = cv::Mat_<std::uint16_t>(sums[y]);
       for (int x = 0; x < t.left.cols; ++x) {
@@ -166,8 +166,8 @@ TEST(StageSignatures, EqualThoseOfTheWordsOfEveryPixel) {
       }
     }
     const auto actual = stage_signatures(t, p);
-    for (int stage = 0; stage < kNumStages; ++stage) {
-      EXPECT_EQ(actual[stage], by_division(words[stage])) << kStageNames[stage];
+    for (int stage = 0; stage < kNumGatewareStages; ++stage) {
+      EXPECT_EQ(actual[stage], by_division(words[stage])) << gateware_stage_name(stage);
     }
   }
 }
@@ -180,8 +180,8 @@ TEST(StageSignatures, NameTheStageThatDiffers) {
     change(taps);
     const auto actual = stage_signatures(taps, f.parameters);
     std::string names;
-    for (int stage = 0; stage < kNumStages; ++stage) {
-      if (actual[stage] != expected[stage]) names += std::string(kStageNames[stage]) + " ";
+    for (int stage = 0; stage < kNumGatewareStages; ++stage) {
+      if (actual[stage] != expected[stage]) names += std::string(gateware_stage_name(stage)) + " ";
     }
     return names;
   };

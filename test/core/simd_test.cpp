@@ -123,7 +123,7 @@ TEST_P(SimdStages, SourceTableFollowsMeshAndSize) {
 }
 
 TEST_P(SimdStages, Census) {
-  Parameters p;
+  Parameters p = window_parameters();
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
     for (int window = 5; window <= 11; window += 2) {
       p.census_pattern = pattern;
@@ -143,7 +143,7 @@ TEST_P(SimdStages, MatchAndSelect) {
   for (const cv::Size size : {cv::Size(1, 1), {5, 9}, {40, 20}, {97, 30}}) {
     for (const int range : {8, 28, 64, 128, 256}) {
       for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
-        Parameters p;
+        Parameters p = window_parameters();
         p.disparity_range = range;
         p.census_pattern = pattern;
         p.correlation_window_size = range == 28 ? 21 : 9;
@@ -210,7 +210,7 @@ TEST_P(SimdStages, CheckAndSubpixel) {
       }
       const Selection selection = to_selection(row);
       for (int switches = 0; switches < 8; ++switches) {
-        Parameters p;
+        Parameters p = window_parameters();
         p.disparity_range = range;
         p.left_right_check = (switches & 1) != 0;
         p.uniqueness_check = (switches & 2) != 0;
@@ -242,7 +242,7 @@ TEST_P(SimdStages, Speckle) {
           value = static_cast<std::uint16_t>(rng.uniform(0, levels) * 33 + rng.uniform(0, 3));
         }
         for (const int min_size : {0, 1, 2, 7, 60, 400}) {
-          Parameters p;
+          Parameters p = window_parameters();
           p.speckle_size = min_size;
           p.speckle_range = min_size % 3;
           cv::Mat1w expected = disparity.clone();
@@ -260,7 +260,7 @@ TEST_P(SimdStages, Speckle) {
 }
 
 TEST(SimdLayout, CensusBorderFitsTheLargestWindow) {
-  Parameters p;
+  Parameters p = window_parameters();
   for (p.census_window_size = 5; validate(p); p.census_window_size += 2) {
     EXPECT_LE(p.census_window_size / 2, simd::max_census_radius());
   }

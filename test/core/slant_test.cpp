@@ -19,7 +19,7 @@ struct Errors {
 /// misprint.
 Errors errors_on_plane(double a, double b, CensusPattern pattern, unsigned seed) {
   const cv::Size size(240, 80);
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 48;
   p.census_pattern = pattern;
   StereoGeometry geometry;

@@ -132,8 +132,8 @@ TEST(Registers, HoldEveryAllowedParameterValue) {
 }
 
 TEST(Registers, HaveOneSignaturePerStageInDataOrder) {
-  for (int stage = 0; stage < kNumStages; ++stage) {
-    std::string name = std::string("SIGNATURE_") + kStageNames[stage];
+  for (int stage = 0; stage < kNumGatewareStages; ++stage) {
+    std::string name = std::string("SIGNATURE_") + gateware_stage_name(stage);
     for (char& c : name) c = static_cast<char>(std::toupper(c));
     EXPECT_EQ(named(name).address, kRegSignatureRectify + stage);
   }

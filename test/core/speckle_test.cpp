@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint16_t kNone = kNoDisparity;
 
 Parameters speckle(int size, int range = 1) {
-  Parameters p;
+  Parameters p = window_parameters();
   p.speckle_size = size;
   p.speckle_range = range;
   return p;
@@ -189,7 +189,7 @@ TEST_F(SpeckleData, AgreesWithFilterSpecklesOnMiddlebury) {
     const MiddleburyPair pair = middlebury_pair(name);
     StereoGeometry geometry;
     geometry.image_size = pair.left.size();
-    Parameters p;
+    Parameters p = window_parameters();
     p.disparity_range = pair.disparity_range;
     expect_agreement(pair.left, pair.right, identity_rectification(geometry, 0), p);
   }
@@ -199,7 +199,7 @@ TEST_F(SpeckleData, EqualsTheNaiveModel) {
   const MiddleburyPair pair = middlebury_pair("tsukuba");
   StereoGeometry geometry;
   geometry.image_size = pair.left.size();
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = pair.disparity_range;
   p.speckle_size = 1000;  // the look-ahead matters most
   ReferencePipeline pipeline;
@@ -215,7 +215,7 @@ TEST_F(SpeckleData, AgreesWithFilterSpecklesOnTheSequence) {
   const auto rectification = make_stereo_rectification(cameras.left, cameras.right, 0);
   ASSERT_TRUE(rectification) << rectification.error().message;
   const ImagePair pair = euroc_pair(0);
-  expect_agreement(pair.left, pair.right, *rectification, Parameters());
+  expect_agreement(pair.left, pair.right, *rectification, window_parameters());
 }
 
 }  // namespace

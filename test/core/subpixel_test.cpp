@@ -74,7 +74,7 @@ TEST(Subpixel, NoOffsetWhereTheParabolaDoesNotOpenUpwards) {
 
 TEST(Subpixel, NoOffsetAtTheEndsOfTheRange) {
   for (const int range : {8, 12, 64, 256}) {
-    Parameters p;
+    Parameters p = window_parameters();
     p.disparity_range = range;
     for (int d = 0; d < range; ++d) {
       const bool is_inner = d >= 2 && d <= range - 3;
@@ -87,7 +87,7 @@ TEST(Subpixel, NoOffsetAtTheEndsOfTheRange) {
 }
 
 TEST(Subpixel, SwitchedOff) {
-  Parameters p;
+  Parameters p = window_parameters();
   p.subpixel = false;
   EXPECT_EQ(refined(20, parabola(10), p), 20 * 32);
 }
@@ -100,7 +100,7 @@ TEST(Subpixel, MarksPixelsThatAreNotKept) {
   const cv::Mat1b kept = (cv::Mat1b(1, 3) << 1, 0, 1);
   cv::Mat1w out;
   for (const bool on : {true, false}) {
-    Parameters p;
+    Parameters p = window_parameters();
     p.subpixel = on;
     subpixel(s, kept, p, cv::Range::all(), out);
     EXPECT_EQ(out(0, 0), 7 * 32);
@@ -114,7 +114,7 @@ TEST(Subpixel, EqualsTheNaiveModel) {
   for (const cv::Size size : {cv::Size(1, 1), {1, 8}, {9, 1}, {61, 40}}) {
     for (const int range : {8, 12, 64, 256}) {
       for (const int end : {4, 64, 52921}) {
-        Parameters p;
+        Parameters p = window_parameters();
         p.disparity_range = range;
         Selection s;
         create(s, size);
@@ -145,7 +145,7 @@ TEST(Subpixel, WritesTheGivenRowsOnly) {
   cv::Mat1w out(6, 5, std::uint16_t{1234});
   cv::Mat1w expected = out.clone();
   expected.rowRange(1, 4) = 9 * 32;
-  subpixel(s, cv::Mat1b(6, 5, std::uint8_t{1}), Parameters(), {1, 4}, out);
+  subpixel(s, cv::Mat1b(6, 5, std::uint8_t{1}), window_parameters(), {1, 4}, out);
   EXPECT_TRUE(same("subpixel", expected, out));
 }
 

@@ -154,7 +154,7 @@ TEST(BoardPlan, ASetWithADroppedImageInDemandIsIncomplete) {
 
 TEST(BoardPlan, RequestsTheRawRightImageIfTheSearchIsShifted) {
   Planned p;
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   parameters.min_disparity = 8;
   p.plan.set_parameters(parameters);
   ASSERT_EQ(p.plan.limitation(), "");
@@ -172,7 +172,7 @@ TEST(BoardPlan, VerificationRequestsRawImagesOfSomePairs) {
 
 TEST(BoardPlan, RequestsRawImagesIfTheBuildCannotMakeTheDisparity) {
   Planned p;
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   parameters.disparity_range = 128;
   p.plan.set_parameters(parameters);
   EXPECT_EQ(p.plan.ability(), BoardAbility::kSendsRawImages);

@@ -23,7 +23,7 @@ class SessionRig {
   static sim::SoftwareBoard::Options small_board();
   /// Parameters and rectification for a small board.
   struct Setting {
-    Parameters parameters;
+    Parameters parameters = window_parameters();
     StereoRectification rectification;
   };
   /// Returns a setting whose parameters and meshes depend on `seed`.

@@ -31,7 +31,7 @@ TEST(BoardGateware, MakesTheDisparityOfTheSoftware) {
       [](const StereoStatus& s) { return s.board.find("gateware") != std::string::npos; });
 
   const cv::Size size(64, 40);
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   parameters.disparity_range = 16;
   parameters.speckle_size = 20;
   // The first pair brings the calibration; pairs are refused until the board has it.

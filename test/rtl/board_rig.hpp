@@ -119,7 +119,7 @@ class BoardRig {
   Ft245Chip<Board> usb;
   SensorPort sensors[2];
   TwoWireSensor registers[2] = {TwoWireSensor(kAddress), TwoWireSensor(kAddress)};
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   StereoRectification rectification;
   std::vector<AssembledFrame> frames;
 

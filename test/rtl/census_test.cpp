@@ -15,7 +15,7 @@ namespace fpga_stereo::test {
 namespace {
 
 Parameters window_parameters(int census, CensusPattern pattern, int correlation) {
-  Parameters p;
+  Parameters p = window_parameters();
   p.census_window_size = census;
   p.census_pattern = pattern;
   p.correlation_window_size = correlation;

@@ -92,7 +92,7 @@ class RtlCheck : public ::testing::Test {
   static constexpr int kMaxSum = (1 << kBuild<Model>.sum_bits) - 1;
 
   static Parameters parameters() {
-    Parameters p;
+    Parameters p = window_parameters();
     p.disparity_range = kRange;
     return p;
   }

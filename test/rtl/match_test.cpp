@@ -18,20 +18,20 @@ template <class Model>
 Parameters build_parameters();
 template <>
 Parameters build_parameters<MatchSparse>() {
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 16;
   return p;
 }
 template <>
 Parameters build_parameters<MatchFull>() {
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 20;
   p.census_pattern = CensusPattern::kFull;
   return p;
 }
 template <>
 Parameters build_parameters<MatchLarge>() {
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 16;
   p.census_window_size = 7;
   p.correlation_window_size = 21;

@@ -20,7 +20,7 @@ class RegistersRig {
     model.write_i = model.read_i = model.apply_i = model.busy_i = 0;
     model.frame_in_i = model.frame_out_i = model.cut_frame_i = model.long_frame_i = 0;
     model.buffer_left_i = model.buffer_right_i = model.buffer_frame_i = 0;
-    for (int i = 0; i < kNumStages; ++i) model.signatures_i[i] = 0;
+    for (int i = 0; i < kNumGatewareStages; ++i) model.signatures_i[i] = 0;
     reset();
   }
   void reset() {

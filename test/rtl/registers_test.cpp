@@ -412,8 +412,8 @@ TEST(Registers, ReportStatusAndSignatures) {
   EXPECT_EQ(rig.status(), spec::kStatusBusy.put(1));
   rig.model.busy_i = 0;
   EXPECT_EQ(rig.status(), 0U);
-  for (int i = 0; i < kNumStages; ++i) rig.model.signatures_i[i] = 0x1000000 * (i + 1) + 7;
-  for (std::uint32_t i = 0; i < kNumStages; ++i) {
+  for (int i = 0; i < kNumGatewareStages; ++i) rig.model.signatures_i[i] = 0x1000000 * (i + 1) + 7;
+  for (std::uint32_t i = 0; i < kNumGatewareStages; ++i) {
     EXPECT_EQ(rig.read(spec::kRegSignatureRectify + i), 0x1000000 * (i + 1) + 7);
   }
 }

@@ -55,7 +55,7 @@ RasterResult compare(const std::vector<Sums>& frames, Raster raster) {
   const auto [range, bits] = kBuild<Model>;
   raster.width = frames[0][0].cols;
   raster.height = static_cast<int>(frames[0].size());
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = range;
 
   std::vector<Selection> expected(frames.size()), actual(frames.size());

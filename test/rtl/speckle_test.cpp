@@ -25,7 +25,7 @@ constexpr int kFar = 60 * kDisparityScale;
 constexpr int kNone = kNoDisparity;
 
 Parameters speckle_parameters(int size, int range) {
-  Parameters p;
+  Parameters p = window_parameters();
   p.speckle_size = size;
   p.speckle_range = range;
   return p;

@@ -36,7 +36,7 @@ struct Input {
 template <class Model>
 RasterResult compare(const std::vector<Input>& frames, Raster raster, bool is_enabled = true) {
   constexpr int index_bits = kBuild<Model>.index_bits, sum_bits = kBuild<Model>.sum_bits;
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = kBuild<Model>.range;
   p.subpixel = is_enabled;
   raster.width = frames[0].kept.cols;

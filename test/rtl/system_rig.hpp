@@ -185,7 +185,7 @@ class SystemRig {
 
 /// Returns pipeline parameters that the model under test supports.
 inline Parameters system_parameters() {
-  Parameters p;
+  Parameters p = window_parameters();
   p.disparity_range = 16;
   p.census_window_size = 11;
   p.census_pattern = CensusPattern::kSparse;

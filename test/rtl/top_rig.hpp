@@ -22,7 +22,7 @@ namespace fpga_stereo::test {
 struct TopBuild {
   std::string name;
   std::string numbers;  // MaxWidth_..._MeshNodes, as in the file name by build_model
-  Parameters parameters;
+  Parameters parameters = window_parameters();
 };
 
 inline std::ostream& operator<<(std::ostream& out, const TopBuild& build) {
@@ -80,7 +80,7 @@ inline StereoRectification distorted_rectification(cv::Size size, double strengt
 
 /// Input of the gateware and of the reference pipeline.
 struct TopCase {
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   StereoRectification rectification;
   std::vector<sim::GreyPair> pairs;
   std::string about;
@@ -89,7 +89,7 @@ struct TopCase {
 /// Output of the reference pipeline.
 struct Expected {
   std::vector<cv::Mat1w> disparities;
-  std::array<std::uint32_t, kNumStages> signatures{};  // of the last pair
+  std::array<std::uint32_t, kNumGatewareStages> signatures{};  // of the last pair
 };
 
 inline Expected run_reference(const TopCase& c) {
@@ -104,11 +104,11 @@ inline Expected run_reference(const TopCase& c) {
 }
 
 /// Returns the names of the stages whose signatures differ, in pipeline order; "" if all are equal.
-inline std::string differing_stages(const std::array<std::uint32_t, kNumStages>& a,
-                                    const std::array<std::uint32_t, kNumStages>& b) {
+inline std::string differing_stages(const std::array<std::uint32_t, kNumGatewareStages>& a,
+                                    const std::array<std::uint32_t, kNumGatewareStages>& b) {
   std::string names;
-  for (int stage = 0; stage < kNumStages; ++stage) {
-    if (a[stage] != b[stage]) names += (names.empty() ? "" : " ") + std::string(kStageNames[stage]);
+  for (int stage = 0; stage < kNumGatewareStages; ++stage) {
+    if (a[stage] != b[stage]) names += (names.empty() ? "" : " ") + std::string(gateware_stage_name(stage));
   }
   return names;
 }

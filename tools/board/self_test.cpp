@@ -25,7 +25,7 @@ constexpr double kConfigurationTimeout = 30;  // s
 struct Case {
   unsigned seed = 0;
   bool is_rectified = false;  // the meshes displace pixels
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   StereoRectification rectification;
   cv::Mat1b left, right;
 };

@@ -23,7 +23,7 @@ int int_option(const po::variables_map& options, const std::string& name, int mi
 /// Returns the build parameters. Throws UsageError if the pipeline or the registers do not support
 /// them.
 GatewareBuild build(const po::variables_map& options) {
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   const auto set = [&](const std::string& option, const std::string& parameter) {
     const Status status = set_parameter(parameters, parameter, options[option].as<std::string>());
     if (!status) throw UsageError("--" + option + ": " + status.error().message);

@@ -132,13 +132,13 @@ Counters Gateware::counters() {
           read(spec::kRegMeshSwaps)};
 }
 
-std::array<std::uint32_t, kNumStages> Gateware::signatures() {
+std::array<std::uint32_t, kNumGatewareStages> Gateware::signatures() {
   constexpr int kSettleClocks = 4;  // fs_signature.sv needs 2
   for (std::int64_t end = clocks_ + timeout_clocks(); clocks_ < end; idle(kSettleClocks)) {
     if (spec::kStatusBusy.get(read(spec::kRegStatus)) == 0) break;
   }
   idle(kSettleClocks);
-  std::array<std::uint32_t, kNumStages> values{};
+  std::array<std::uint32_t, kNumGatewareStages> values{};
   for (std::uint32_t stage = 0; stage < values.size(); ++stage) {
     values[stage] = read(spec::kRegSignatureRectify + stage);
   }

@@ -94,7 +94,7 @@ class Gateware {
 
   Counters counters();
   /// Waits until no frame is in flight. Returns the signature of the last frame of each stage.
-  std::array<std::uint32_t, kNumStages> signatures();
+  std::array<std::uint32_t, kNumGatewareStages> signatures();
 
   /// Returns the number of clocks since construction.
   std::int64_t clocks() const { return clocks_; }

@@ -26,7 +26,7 @@ class BoardRegisters {
 
   /// The configuration in effect.
   struct Active {
-    Parameters parameters;
+    Parameters parameters = window_parameters();
     StereoRectification rectification;
     bool is_buffer_too_small = false;  // the meshes need more rows than the line buffer has
   };

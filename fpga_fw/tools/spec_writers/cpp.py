@@ -1,5 +1,5 @@
 """Writes spec.hpp and spec.cpp: stages, constants and registers for C++."""
-from .text import NOTICE, commented, digits, quoted
+from .text import NOTICE, commented, digits, quoted, wrapped
 
 ACCESS = {"ro": "kReadOnly", "rw": "kReadWrite", "wo": "kWriteOnly", "w1c": "kWriteOneToClear"}
 
@@ -59,8 +59,11 @@ def register_lines(register):
 
 def header(spec):
     stages = [(f"k{stage['camel']},", stage["about"]) for stage in spec["stages"]]
-    stage_names = ", ".join(quoted(stage["name"]) for stage in spec["stages"])
-    constants = [(constant_line(constant), constant["about"]) for constant in spec["constants"]]
+    stage_names = wrapped(", ".join(quoted(stage["name"]) for stage in spec["stages"]), "    ")
+    gateware_stages = wrapped(", ".join(f"Stage::k{stage['camel']}"
+                                        for stage in spec["gateware_stages"]), "    ")
+    constants = [(constant_line(constant), constant["about"])
+                 for constant in spec["constants"] + spec["software_constants"]]
     build = [(f"constexpr int kDefault{parameter['name']} = {parameter['value']};",
               parameter["about"]) for parameter in spec["build"]]
     packets = [line for packet in spec["packets"] for line in packet_lines(packet)]
@@ -73,21 +76,31 @@ def header(spec):
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace fpga_stereo {{
 
-/// Stages of the pipeline, in data order.
+/// Stages of the pipeline, in data order. stereo_algorithm decides between match, and cost with
+/// aggregate.
 enum class Stage {{
 {commented(stages, "  ")}
 }};
 constexpr int kNumStages = {len(stages)};
 // clang-format off
 constexpr std::array<const char*, kNumStages> kStageNames{{
-    {stage_names}}};
+{stage_names}}};
+/// The stages of the gateware, in the order of its signatures.
+constexpr int kNumGatewareStages = {len(spec["gateware_stages"])};
+constexpr std::array<Stage, kNumGatewareStages> kGatewareStages{{
+{gateware_stages}}};
 // clang-format on
+/// Returns the name of a stage of the gateware.
+constexpr const char* gateware_stage_name(int signature) {{
+  return kStageNames[static_cast<std::size_t>(kGatewareStages[static_cast<std::size_t>(signature)])];
+}}
 
 {commented(constants)}
 

@@ -51,7 +51,7 @@ def parameter_table(spec):
 
 def registers_page(spec):
     stages = [(order, f"`{stage['name']}`", stage["about"])
-              for order, stage in enumerate(spec["stages"])]
+              for order, stage in enumerate(spec["gateware_stages"])]
     return f"""\
 # Registers, constants, stages
 

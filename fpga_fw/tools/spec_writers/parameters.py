@@ -73,7 +73,8 @@ using ParameterMember = std::variant<
 
 def row_lines(parameter):
     choices = ", ".join(quoted(choice["name"]) for choice in parameter["choices"])
-    built = any(register["reset"] is None for register, _ in parameter.get("fields", []))
+    built = parameter.get("built") or any(register["reset"] is None
+                                          for register, _ in parameter.get("fields", []))
     yield (f"      {{{quoted(parameter['name'])}, &Parameters::{parameter['name']}, "
            f"{number(parameter['min'])}, {number(parameter['max'])}, {parameter['step']}, "
            f"{quoted(parameter['unit'])}, {{{choices}}}, {str(built).lower()},")

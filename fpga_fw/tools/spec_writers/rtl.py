@@ -51,7 +51,7 @@ def list_lines(items):
 
 def package(spec):
     stages = [(f"localparam int Stage{stage['camel']} = {number};", stage["about"])
-              for number, stage in enumerate(spec["stages"])]
+              for number, stage in enumerate(spec["gateware_stages"])]
     constants = [(constant_line(constant), constant["about"]) for constant in spec["constants"]]
     build = [(f"localparam int Default{parameter['name']} = {parameter['value']};",
               parameter["about"]) for parameter in spec["build"]]

@@ -21,12 +21,17 @@ def hashed(node):
     return [hashed(item) for item in node] if isinstance(node, list) else node
 
 
+def gateware_stages(spec):
+    return [stage for stage in spec["stages"] if stage.get("gateware", True)]
+
+
 def spec_hash(spec):
     """Returns the first 32 bits of the SHA-256 of the hashed sections as JSON.
 
     The JSON has sorted keys, no spaces and ASCII characters only.
     """
     sections = {section: hashed(spec[section]) for section in HASHED}
+    sections["stages"] = hashed(gateware_stages(spec))
     text = json.dumps(sections, sort_keys=True, separators=(",", ":"))
     return int(hashlib.sha256(text.encode()).hexdigest()[:8], 16)
 
@@ -44,7 +49,9 @@ def load():
     """
     spec = yaml.safe_load((ROOT / SOURCE).read_text())
     spec["hash"] = spec_hash(spec)
-    spec["constant"] = {constant["name"]: constant["value"] for constant in spec["constants"]}
+    spec["constant"] = {constant["name"]: constant["value"]
+                        for constant in spec["constants"] + spec["software_constants"]}
+    spec["gateware_stages"] = gateware_stages(spec)
     for stage in spec["stages"]:
         stage["camel"] = camel(stage["name"])
     for parameter in spec["parameters"]:

@@ -8,6 +8,22 @@
 
 namespace fpga_stereo {
 
+/// How matching costs are aggregated.
+enum class StereoAlgorithm {
+  kWindow,  // window matching, as in the paper
+  kSgm,     // semi-global matching: sharp edges, few gaps
+};
+/// Returns the value's name: window or sgm.
+std::string to_text(StereoAlgorithm value);
+
+/// Paths of semi-global matching.
+enum class SgmBuild {
+  kFull,   // paths from the left, from the right and from above
+  kSmall,  // paths from the left and from above: less gateware, more errors
+};
+/// Returns the value's name: full or small.
+std::string to_text(SgmBuild value);
+
 /// Neighbours that the census transform compares with the centre of its window.
 enum class CensusPattern {
   kSparse,  // row and column offset both even, without the centre: 24 bits at 11 x 11
@@ -22,12 +38,40 @@ struct Parameters {
   int min_disparity = 0;
   /// Number of disparities searched; time grows with it (px, 8 to 256 in steps of 4).
   int disparity_range = 64;
+  /// How matching costs are aggregated.
+  StereoAlgorithm stereo_algorithm = StereoAlgorithm::kSgm;
+  /// Paths of semi-global matching.
+  SgmBuild sgm_build = SgmBuild::kFull;
+  /// Give every pixel a disparity: fill the gaps, then smooth; the uniqueness check is off.
+  bool dense = false;
   /// Side of the census window (px, 5 to 11 in steps of 2).
   int census_window_size = 11;
   /// Neighbours that the census transform compares with the centre of its window.
   CensusPattern census_pattern = CensusPattern::kSparse;
   /// Side of the window for sums: large is smooth, small is detailed (px, 5 to 21 in steps of 2).
   int correlation_window_size = 15;
+  /// Largest difference of grey values that counts; 0: the census bits alone decide (no unit, 0 to
+  /// 31).
+  int cost_difference_limit = 8;
+  /// Shift of the difference: each step halves its weight against a census bit (bit, 0 to 4).
+  int cost_difference_shift = 2;
+  /// Pixel cost where the right image ends (no unit, 0 to 31).
+  int cost_outside = 6;
+  /// Shift that reduces the sum of pixel costs to the matching cost (bit, 0 to 6).
+  int cost_shift = 2;
+  /// Penalty where the disparity changes by 1 px; P1 of stereo_image_proc has another scale (no
+  /// unit, 0 to 15).
+  int sgm_p1 = 5;
+  /// Penalty where it changes by more, between pixels of similar grey (no unit, 6 to 15).
+  int sgm_p2 = 15;
+  /// The same at an edge (no unit, 6 to 15).
+  int sgm_p2_edge = 10;
+  /// The same at a strong edge (no unit, 6 to 15).
+  int sgm_p2_strong_edge = 7;
+  /// Difference of smoothed grey values from which a pair of pixels is an edge (no unit, 0 to 255).
+  int sgm_edge = 6;
+  /// Difference from which it is a strong edge (no unit, 0 to 255).
+  int sgm_strong_edge = 14;
   /// Drop pixels where the search from the right image disagrees.
   bool left_right_check = true;
   /// Largest difference that the left-right check allows (px, 0 to 128).
@@ -39,9 +83,12 @@ struct Parameters {
   /// Refine disparities to 1/32 px; otherwise whole pixels.
   bool subpixel = true;
   /// Drop connected regions of fewer pixels; 0 turns the filter off (px, 0 to 1000).
-  int speckle_size = 400;
+  int speckle_size = 60;
   /// Largest disparity step between neighbours of one region (px, 0 to 31).
   int speckle_range = 1;
+  /// Largest difference of grey values between a pixel and those that its median includes (no unit,
+  /// 0 to 255).
+  int median_difference = 6;
 };
 
 // clang-format off
@@ -50,6 +97,8 @@ using ParameterMember = std::variant<
     int Parameters::*,
     double Parameters::*,
     bool Parameters::*,
+    StereoAlgorithm Parameters::*,
+    SgmBuild Parameters::*,
     CensusPattern Parameters::*>;
 // clang-format on
 

@@ -27,6 +27,9 @@ struct ParameterInfo {
 /// Returns every parameter, in the order of the stages.
 const std::vector<ParameterInfo>& parameter_table();
 
+/// Returns the defaults, but for window matching, which is what gatewares are built for.
+Parameters window_parameters();
+
 /// Returns the allowed values in words: "8 to 256 in steps of 4", "true or false".
 std::string allowed_values(const ParameterInfo& info);
 

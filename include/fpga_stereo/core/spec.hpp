@@ -5,27 +5,43 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace fpga_stereo {
 
-/// Stages of the pipeline, in data order.
+/// Stages of the pipeline, in data order. stereo_algorithm decides between match, and cost with
+/// aggregate.
 enum class Stage {
-  kRectify,   // moves both images onto common rows
-  kCensus,    // compares each pixel with its neighbours, a bit each
-  kMatch,     // sums Hamming distances over a window
-  kSelect,    // finds the smallest sum, left and right
-  kCheck,     // applies the left-right check and the uniqueness check
-  kSubpixel,  // fits a parabola through five sums
-  kSpeckle,   // drops small regions
+  kRectify,    // moves both images onto common rows
+  kCensus,     // compares each pixel with its neighbours, a bit each
+  kMatch,      // sums Hamming distances over a window
+  kCost,       // finds the matching cost of a pixel, in two bits
+  kAggregate,  // sums the costs of the paths that lead to a pixel
+  kSelect,     // finds the smallest sum, left and right
+  kCheck,      // applies the left-right check and the uniqueness check
+  kSubpixel,   // finds the fraction of the disparity
+  kSpeckle,    // drops small regions
+  kFill,       // gives every pixel a disparity
+  kMedian,     // smooths the filled disparities
 };
-constexpr int kNumStages = 7;
+constexpr int kNumStages = 11;
 // clang-format off
 constexpr std::array<const char*, kNumStages> kStageNames{
-    "rectify", "census", "match", "select", "check", "subpixel", "speckle"};
+    "rectify", "census", "match", "cost", "aggregate", "select", "check", "subpixel", "speckle",
+    "fill", "median"};
+/// The stages of the gateware, in the order of its signatures.
+constexpr int kNumGatewareStages = 7;
+constexpr std::array<Stage, kNumGatewareStages> kGatewareStages{
+    Stage::kRectify, Stage::kCensus, Stage::kMatch, Stage::kSelect, Stage::kCheck, Stage::kSubpixel,
+    Stage::kSpeckle};
 // clang-format on
+/// Returns the name of a stage of the gateware.
+constexpr const char* gateware_stage_name(int signature) {
+  return kStageNames[static_cast<std::size_t>(kGatewareStages[static_cast<std::size_t>(signature)])];
+}
 
 constexpr int kDisparityScale = 32;                         // units of a disparity per px
 constexpr int kDisparityBits = 16;                          // width of a disparity, unsigned
@@ -87,6 +103,19 @@ constexpr std::uint32_t kFrameOverrun = 0x00000008;         // flag: the link wa
 constexpr std::uint32_t kRefusedVersion = 0x00000001;       // reason: unknown version
 constexpr std::uint32_t kRefusedType = 0x00000002;          // reason: unknown type
 constexpr std::uint32_t kRefusedLength = 0x00000003;        // reason: length not allowed
+constexpr int kSgmCensusBits = 16;                          // of a pixel
+constexpr int kSgmCensusDistance = 3;                       // px, of the outer neighbours
+constexpr int kSgmMaxCost = 3;                              // largest matching cost
+constexpr int kSgmMaxPath = 15;                             // largest path cost, without C
+constexpr int kSgmMinP2 = 6;                                // twice the largest matching cost
+constexpr int kFitRadiusX = 4;                              // px, window of the sub-pixel fit
+constexpr int kFitRadiusY = 5;                              // px
+constexpr int kFitDamping = 32;                             // pulls offsets towards 0
+constexpr int kMaskedMedianRadiusX = 8;                     // px, of the first median
+constexpr int kMaskedMedianStepX = 4;                       // px
+constexpr int kMaskedMedianRadiusY = 4;                     // px, of the first median
+constexpr int kMaskedMedianStepY = 2;                       // px
+constexpr int kMedianRadius = 2;                            // px, of the second median
 
 // Build parameters of a gateware unless a board sets others.
 constexpr int kDefaultMaxWidth = 640;          // px
@@ -235,7 +264,7 @@ constexpr std::uint32_t kRegUniquenessReset = 0x00000154;
 constexpr Field kUniquenessFactor{0, 10};
 
 constexpr std::uint32_t kRegSpeckleSize = 0x16;
-constexpr std::uint32_t kRegSpeckleSizeReset = 0x00000190;
+constexpr std::uint32_t kRegSpeckleSizeReset = 0x0000003C;
 constexpr Field kSpeckleSizePixels{0, 10};
 
 constexpr std::uint32_t kRegSpeckleRange = 0x17;

@@ -17,7 +17,7 @@ void check(const SelectionRow& s, const Parameters& p, std::uint8_t* kept) {
   const hn::RebindToSigned<decltype(d)> d_signed;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const int width = s.width, factor = uniqueness_factor(p), max_difference = p.disp12MaxDiff;
-  const bool left_right = p.left_right_check, uniqueness = p.uniqueness_check;
+  const bool left_right = p.left_right_check, uniqueness = p.uniqueness_check && !p.dense;
   const auto set = [&](int value)
                        HWY_ATTR { return hn::Set(d, static_cast<std::uint16_t>(value)); };
   const auto load8 = [&](const std::uint8_t* from)
