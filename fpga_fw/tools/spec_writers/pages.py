@@ -93,6 +93,7 @@ def reconfigure_lines(parameter):
     value = parameter["default"]
     if kind == "str_t":
         yield f"        {quoted(value)}, edit_method=choice("
+        yield f"            {quoted(parameter['name'])},"
         pairs = [f"({quoted(choice['name'])}, {quoted(choice['about'])})"
                  for choice in parameter["choices"]]
         yield ",\n".join(f"            {pair}" for pair in pairs) + "))"
