@@ -21,6 +21,7 @@ int tap(const cv::Mat& raw, int x, int y, int channel) {
 }
 
 int census_size(const Parameters& p) {
+  if (p.stereo_algorithm == StereoAlgorithm::kSgm) return 16;
   const int n = p.census_window_size;
   if (p.census_pattern == CensusPattern::kFull) return n * n - 1;
   const int even = n / 4 * 2 + 1;  // offsets -r .. r that are even, r = n / 2
@@ -76,14 +77,27 @@ cv::Mat rectify(const cv::Mat& raw, const Mesh& mesh) {
 
 std::vector<int> census_bits(const cv::Mat1b& image, const Parameters& p, int x, int y) {
   std::vector<int> bits;
+  const auto compare = [&](int dx, int dy) {
+    const bool less = inside(image, x + dx, y + dy) && image(y + dy, x + dx) < image(y, x);
+    bits.push_back(less ? 1 : 0);
+  };
+  if (p.stereo_algorithm == StereoAlgorithm::kSgm) {
+    for (const int distance : {1, 3}) {
+      for (int dy = -distance; dy <= distance; dy += distance) {
+        for (int dx = -distance; dx <= distance; dx += distance) {
+          if (dx != 0 || dy != 0) compare(dx, dy);
+        }
+      }
+    }
+    return bits;
+  }
   const int radius = p.census_window_size / 2;
   for (int dy = -radius; dy <= radius; ++dy) {
     for (int dx = -radius; dx <= radius; ++dx) {
       if (dx == 0 && dy == 0) continue;
       const bool even = dx % 2 == 0 && dy % 2 == 0;
       if (p.census_pattern == CensusPattern::kSparse && !even) continue;
-      const bool less = inside(image, x + dx, y + dy) && image(y + dy, x + dx) < image(y, x);
-      bits.push_back(less ? 1 : 0);
+      compare(dx, dy);
     }
   }
   return bits;
@@ -188,7 +202,8 @@ cv::Mat1b check(const Selection& s, const Parameters& p) {
       const int d = s.winner(y, x);
       const bool agree = x - d >= 0 && std::abs(s.right_winner(y, x - d) - d) <= p.disp12MaxDiff;
       const bool unique = 256 * std::int64_t{s.runner_up_sum(y, x)} > n * s.winner_sum(y, x);
-      const bool keep = (agree || !p.left_right_check) && (unique || !p.uniqueness_check);
+      const bool wants_unique = p.uniqueness_check && !p.dense;
+      const bool keep = (agree || !p.left_right_check) && (unique || !wants_unique);
       kept(y, x) = keep ? 1 : 0;
     }
   }

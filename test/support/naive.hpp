@@ -32,6 +32,21 @@ int hamming(const cv::Mat& left, const cv::Mat& right, int bits, int x, int y, i
 /// Returns all window sums, each added up on its own.
 Sums match(const cv::Mat& left, const cv::Mat& right, const Parameters& p);
 
+/// Returns the matching costs C of semi-global matching.
+Sums cost(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat& left_bits,
+          const cv::Mat& right_bits, const Parameters& p);
+
+struct Path {
+  cv::Mat1i costs;          // L(n, d), D x W
+  std::vector<int> minima;  // M(n)
+};
+/// Returns the path from the left through the costs of a row, D x W. p2[n] belongs to the pixels
+/// n - 1 and n.
+Path path_from_left(const cv::Mat1i& costs, const std::vector<int>& p2, int p1);
+
+/// Returns the sums of path costs S of semi-global matching. `left` is the rectified image.
+Sums aggregate(const cv::Mat1b& left, const Sums& costs, const Parameters& p);
+
 Selection select(const Sums& sums);
 
 cv::Mat1b check(const Selection& s, const Parameters& p);
@@ -42,6 +57,16 @@ int parabola_offset(const cv::Vec<std::uint16_t, 5>& sums, int numerator = 7, in
 
 cv::Mat1w subpixel(const Selection& s, const cv::Mat1b& kept, const Parameters& p);
 
+/// The same for semi-global matching.
+cv::Mat1w fit_subpixel(const cv::Mat& left_bits, const cv::Mat& right_bits, const Selection& s,
+                       const cv::Mat1b& kept, const Parameters& p);
+
 cv::Mat1w speckle(const cv::Mat1w& disparity, const Parameters& p);
+
+cv::Mat1w fill(const cv::Mat1w& disparity);
+
+/// The two medians of the stage median.
+cv::Mat1w masked_median(const cv::Mat1b& left, const cv::Mat1w& disparity, const Parameters& p);
+cv::Mat1w median(const cv::Mat1w& disparity);
 
 }  // namespace fpga_stereo::naive
