@@ -61,15 +61,54 @@ void expect_refused(const ParameterInfo& info, double value) {
 }
 
 TEST(ParameterTable, HasTheDefaults) {
-  const std::vector<std::pair<std::string, std::string>> expected{
-      {"min_disparity", "0"},       {"disparity_range", "64"},         {"census_window_size", "11"},
-      {"census_pattern", "sparse"}, {"correlation_window_size", "15"}, {"left_right_check", "true"},
-      {"disp12MaxDiff", "1"},       {"uniqueness_check", "true"},      {"uniqueness_ratio", "33"},
-      {"subpixel", "true"},         {"speckle_size", "400"},           {"speckle_range", "1"}};
+  const std::vector<std::pair<std::string, std::string>> expected{{"min_disparity", "0"},
+                                                                  {"disparity_range", "64"},
+                                                                  {"stereo_algorithm", "sgm"},
+                                                                  {"sgm_build", "full"},
+                                                                  {"dense", "false"},
+                                                                  {"census_window_size", "11"},
+                                                                  {"census_pattern", "sparse"},
+                                                                  {"correlation_window_size", "15"},
+                                                                  {"cost_difference_limit", "8"},
+                                                                  {"cost_difference_shift", "2"},
+                                                                  {"cost_outside", "6"},
+                                                                  {"cost_shift", "2"},
+                                                                  {"sgm_p1", "5"},
+                                                                  {"sgm_p2", "15"},
+                                                                  {"sgm_p2_edge", "10"},
+                                                                  {"sgm_p2_strong_edge", "7"},
+                                                                  {"sgm_edge", "6"},
+                                                                  {"sgm_strong_edge", "14"},
+                                                                  {"left_right_check", "true"},
+                                                                  {"disp12MaxDiff", "1"},
+                                                                  {"uniqueness_check", "true"},
+                                                                  {"uniqueness_ratio", "33"},
+                                                                  {"subpixel", "true"},
+                                                                  {"speckle_size", "60"},
+                                                                  {"speckle_range", "1"},
+                                                                  {"median_difference", "6"}};
   ASSERT_EQ(parameter_table().size(), expected.size());
   for (const auto& [name, value] : expected) {
     EXPECT_EQ(to_text(Parameters(), info_of(name)), value) << name;
   }
+}
+
+TEST(ParameterTable, WindowParametersChangeTheAlgorithmOnly) {
+  EXPECT_TRUE(validate(window_parameters()));
+  for (const ParameterInfo& info : parameter_table()) {
+    const std::string expected =
+        info.name == "stereo_algorithm" ? "window" : to_text(Parameters(), info);
+    EXPECT_EQ(to_text(window_parameters(), info), expected) << info.name;
+  }
+}
+
+// A smaller penalty would allow the smallest path cost to decrease along a path.
+TEST(ParameterTable, RefusesASmallPenaltyByName) {
+  Parameters p;
+  p.sgm_p2_edge = 5;
+  const Status status = validate(p);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().message, "sgm_p2_edge = 5: allowed 6 to 15");
 }
 
 TEST(ParameterTable, AllowsTheDefaults) {
@@ -118,6 +157,9 @@ TEST(ParameterTable, SaysTheAllowedValues) {
   EXPECT_EQ(allowed_values(info_of("min_disparity")), "-128 to 128");
   EXPECT_EQ(allowed_values(info_of("subpixel")), "true or false");
   EXPECT_EQ(allowed_values(info_of("census_pattern")), "sparse or full");
+  EXPECT_EQ(allowed_values(info_of("stereo_algorithm")), "window or sgm");
+  EXPECT_EQ(allowed_values(info_of("sgm_build")), "full or small");
+  EXPECT_EQ(allowed_values(info_of("sgm_p2")), "6 to 15");
 }
 
 TEST(SetParameter, SetsEveryType) {
@@ -126,11 +168,15 @@ TEST(SetParameter, SetsEveryType) {
   EXPECT_TRUE(set_parameter(p, "min_disparity", "-7"));
   EXPECT_TRUE(set_parameter(p, "uniqueness_ratio", "12.5"));
   EXPECT_TRUE(set_parameter(p, "census_pattern", "full"));
+  EXPECT_TRUE(set_parameter(p, "stereo_algorithm", "window"));
+  EXPECT_TRUE(set_parameter(p, "sgm_build", "small"));
   EXPECT_TRUE(set_parameter(p, "subpixel", "false"));
   EXPECT_EQ(p.disparity_range, 128);
   EXPECT_EQ(p.min_disparity, -7);
   EXPECT_EQ(p.uniqueness_ratio, 12.5);
   EXPECT_EQ(p.census_pattern, CensusPattern::kFull);
+  EXPECT_EQ(p.stereo_algorithm, StereoAlgorithm::kWindow);
+  EXPECT_EQ(p.sgm_build, SgmBuild::kSmall);
   EXPECT_FALSE(p.subpixel);
   EXPECT_TRUE(set_parameter(p, "census_pattern", "sparse"));
   EXPECT_TRUE(set_parameter(p, "subpixel", "true"));
@@ -141,7 +187,7 @@ TEST(SetParameter, SetsEveryType) {
 TEST(SetParameter, TakesTheTextOfEveryValue) {
   for (const ParameterInfo& info : parameter_table()) {
     std::vector<std::string> texts{"true", "false"};
-    if (info.name == "census_pattern") texts = {"sparse", "full"};
+    if (!info.choices.empty()) texts = info.choices;
     if (is_integer(info)) {
       texts.clear();
       for (int v = static_cast<int>(info.min); v <= static_cast<int>(info.max); v += info.step) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "core/pipeline_rig.hpp"
 #include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/target.hpp"
@@ -173,8 +175,16 @@ TEST_P(Pipelines, TimesOfEveryStage) {
   const cv::Size size(100, 40);
   const SlantedPair pair = textured_pair(size, 13);
   Pipeline pipeline;
-  const DisparityFrame& frame = pipeline.process(pair.left, pair.right, identity_for(size), {}, 2);
-  for (std::size_t i = 0; i < frame.ms.size(); ++i) EXPECT_GT(frame.ms[i], 0) << kStageNames[i];
+  for (Parameters p : {window_parameters(), Parameters()}) {
+    p.dense = p.stereo_algorithm == StereoAlgorithm::kSgm;
+    std::set<Stage> unused{Stage::kMatch};
+    if (!p.dense) unused = {Stage::kCost, Stage::kAggregate, Stage::kFill, Stage::kMedian};
+    const DisparityFrame& frame = pipeline.process(pair.left, pair.right, identity_for(size), p, 2);
+    for (std::size_t i = 0; i < frame.ms.size(); ++i) {
+      EXPECT_EQ(frame.ms[i] > 0, unused.count(static_cast<Stage>(i)) == 0)
+          << kStageNames[i] << ": " << frame.ms[i] << " ms";
+    }
+  }
 }
 
 std::string name_of(const ::testing::TestParamInfo<std::string>& info) { return info.param; }

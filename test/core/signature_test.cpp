@@ -162,7 +162,7 @@ TEST(StageSignatures, EqualThoseOfTheWordsOfEveryPixel) {
         words[3].push_back(select_word(t.selection, x, y));
         words[4].push_back(t.kept(y, x));
         words[5].push_back(t.refined(y, x));
-        words[6].push_back(t.disparity(y, x));
+        words[6].push_back(t.filtered(y, x));
       }
     }
     const auto actual = stage_signatures(t, p);
@@ -195,7 +195,8 @@ TEST(StageSignatures, NameTheStageThatDiffers) {
   EXPECT_EQ(differing([&](Taps& t) { flipped(t.selection.runner_up_sum); }), "select ");
   EXPECT_EQ(differing([&](Taps& t) { flipped(t.kept); }), "check ");
   EXPECT_EQ(differing([&](Taps& t) { flipped(t.refined); }), "subpixel ");
-  EXPECT_EQ(differing([&](Taps& t) { flipped(t.disparity); }), "speckle ");
+  EXPECT_EQ(differing([&](Taps& t) { flipped(t.filtered); }), "speckle ");
+  EXPECT_EQ(differing([&](Taps& t) { flipped(t.disparity); }), "") << "the result may be dense";
 }
 
 }  // namespace

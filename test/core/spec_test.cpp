@@ -139,6 +139,21 @@ TEST(Registers, HaveOneSignaturePerStageInDataOrder) {
   }
 }
 
+TEST(GatewareStages, AreThoseOfWindowMatchingInDataOrder) {
+  const std::vector<std::string> expected{"rectify", "census",   "match",  "select",
+                                          "check",   "subpixel", "speckle"};
+  std::vector<std::string> names;
+  for (int stage = 0; stage < kNumGatewareStages; ++stage) {
+    names.emplace_back(gateware_stage_name(stage));
+  }
+  EXPECT_EQ(names, expected);
+  EXPECT_TRUE(std::is_sorted(kGatewareStages.begin(), kGatewareStages.end()));
+}
+
+// Boards that are in use report this hash. Stages and constants of the software alone are not part
+// of it. If it changes on purpose, every gateware must be built again.
+TEST(SpecHash, IsThatOfTheGatewaresInUse) { EXPECT_EQ(kSpecHash, 0x0C223E13U); }
+
 /// Checks that fields of these ascending offsets fill a packet without overlaps.
 void expect_layout(std::vector<std::pair<int, int>> fields, int bytes) {
   int end = 0;

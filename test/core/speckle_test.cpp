@@ -170,7 +170,7 @@ void expect_agreement(const cv::Mat1b& left, const cv::Mat1b& right,
                       const StereoRectification& rectification, Parameters p) {
   ReferencePipeline pipeline;
   const cv::Mat1w in = pipeline.process(left, right, rectification, p, 1).refined;
-  for (const int minimum : {50, 400}) {
+  for (const int minimum : {Parameters().speckle_size, 400}) {
     p.speckle_size = minimum;
     SCOPED_TRACE(::testing::Message() << "speckle_size " << minimum);
     const cv::Mat1w ours = speckle_of(in, p);
