@@ -74,6 +74,36 @@ TEST(Census, RampOfTheWholeWindowByHand) {
   EXPECT_EQ(word(bits, 5, 5, 3), 0U);
 }
 
+// 8 neighbours at distance 1, then 8 at distance 3, each in raster order.
+TEST(Census, PatternOfSemiGlobalMatching) {
+  const std::vector<cv::Point> expected{{-1, -1}, {0, -1}, {1, -1},  {-1, 0}, {1, 0},  {-1, 1},
+                                        {0, 1},   {1, 1},  {-3, -3}, {0, -3}, {3, -3}, {-3, 0},
+                                        {3, 0},   {-3, 3}, {0, 3},   {3, 3}};
+  for (const int size : {5, 11}) {
+    for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
+      Parameters p = census_parameters(size, pattern);
+      p.stereo_algorithm = StereoAlgorithm::kSgm;
+      EXPECT_EQ(census_neighbours(p), expected);
+      EXPECT_EQ(census_of(cv::Mat1b(3, 4, std::uint8_t{0}), p).type(), CV_32SC1);
+    }
+  }
+}
+
+TEST(Census, BitsOfSemiGlobalMatchingByHand) {
+  const Parameters p;
+  for (std::size_t k = 0; k < 16; ++k) {
+    cv::Mat1b image(9, 9, std::uint8_t{50});
+    image(cv::Point(4, 4) + census_neighbours(p)[k]) = 49;
+    EXPECT_EQ(word(census_of(image, p), 4, 4), 1U << k) << k;
+  }
+  // Rows 100 1.0 100 on a ramp that rises to the right, at both distances.
+  const std::uint32_t left = 1U | 8U | 32U;
+  const cv::Mat bits = census_of(ramp({9, 9}, 1, 0), p);
+  EXPECT_EQ(word(bits, 4, 4), left | left << 8);
+  EXPECT_EQ(word(bits, 2, 4), left) << "the outer neighbours lie outside the image";
+  EXPECT_EQ(word(bits, 0, 4), 0U);
+}
+
 TEST(Census, EqualNeighboursGiveZero) {
   for (const CensusPattern pattern : {CensusPattern::kSparse, CensusPattern::kFull}) {
     const cv::Mat bits =
@@ -112,6 +142,20 @@ TEST(Census, EqualsTheNaiveModel) {
           ASSERT_TRUE(same("census", expected, census_of(part, p), c)) << "pitch above width";
         }
       }
+    }
+  }
+}
+
+TEST(Census, EqualsTheNaiveModelOfSemiGlobalMatching) {
+  unsigned seed = 200;
+  const Parameters p;
+  for (const cv::Size size : {cv::Size(1, 1), {1, 13}, {13, 1}, {3, 2}, {7, 9}, {33, 19}}) {
+    for (const NamedImage& input : extreme_images(size, ++seed)) {
+      const cv::Mat expected = naive::census(input.image, p);
+      const Case c{p, seed, input.name};
+      ASSERT_TRUE(same("census", expected, census_of(input.image, p), c));
+      const cv::Mat1b part = padded(input.image, seed);
+      ASSERT_TRUE(same("census", expected, census_of(part, p), c)) << "pitch above width";
     }
   }
 }

@@ -113,17 +113,32 @@ TEST(Check, EachCheckCanBeSwitchedOff) {
   }
 }
 
+// A pixel that is filled from its neighbours is worse than one that is not unique.
+TEST(Check, DenseSwitchesTheUniquenessCheckOff) {
+  Selection s = agreeing_row();
+  s.right_winner(0, 5) = 100;   // pixel 10 disagrees
+  s.runner_up_sum(0, 12) = 10;  // pixel 12 is not unique
+  for (Parameters p : {window_parameters(), Parameters()}) {
+    p.dense = true;
+    const cv::Mat1b kept = check_of(s, p);
+    EXPECT_EQ(kept(0, 10), 0) << "the left-right check stays on";
+    EXPECT_EQ(kept(0, 12), 1);
+    EXPECT_EQ(kept(0, 14), 1);
+  }
+}
+
 TEST(Check, EqualsTheNaiveModel) {
   unsigned seed = 900;
   for (const cv::Size size : {cv::Size(1, 1), {1, 8}, {9, 1}, {41, 13}}) {
     for (const double ratio : {0.0, 5.5, 33.0, 99.9}) {
       for (const int difference : {0, 1, 7}) {
-        for (int switches = 0; switches < 4; ++switches) {
+        for (int switches = 0; switches < 8; ++switches) {
           Parameters p = window_parameters();
           p.uniqueness_ratio = ratio;
           p.disp12MaxDiff = difference;
           p.left_right_check = (switches & 1) != 0;
           p.uniqueness_check = (switches & 2) != 0;
+          p.dense = (switches & 4) != 0;
           Selection s = random_selection(size, 16, ++seed);
           const cv::Mat1b expected = naive::check(s, p);
           ASSERT_TRUE(same("check", expected, check_of(s, p), {p, seed, "random"}));
