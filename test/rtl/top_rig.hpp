@@ -108,7 +108,8 @@ inline std::string differing_stages(const std::array<std::uint32_t, kNumGateware
                                     const std::array<std::uint32_t, kNumGatewareStages>& b) {
   std::string names;
   for (int stage = 0; stage < kNumGatewareStages; ++stage) {
-    if (a[stage] != b[stage]) names += (names.empty() ? "" : " ") + std::string(gateware_stage_name(stage));
+    if (a[stage] != b[stage])
+      names += (names.empty() ? "" : " ") + std::string(gateware_stage_name(stage));
   }
   return names;
 }
