@@ -54,8 +54,7 @@ const DisparityFrame& Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat
                                         const StereoRectification& rectification,
                                         const Parameters& parameters, int num_threads) {
 #ifdef FPGA_STEREO_SIMD
-  const bool has_simd = parameters.stereo_algorithm == StereoAlgorithm::kWindow && !parameters.dense;
-  if (target() != kScalarTarget && has_simd) {
+  if (target() != kScalarTarget) {
     implementation_->simd.process(left_raw, right_raw, rectification, parameters, num_threads,
                                   frame_);
     return frame_;

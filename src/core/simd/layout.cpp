@@ -24,7 +24,8 @@ void CensusPlanes::create(cv::Size size, const Parameters& p) {
   count = (bits + 7) / 8;
   margin_ = lanes_per_pixel(p.disparity_range);
   pitch = margin_ + width + kBorder;
-  bytes_.create(height, static_cast<int>(pitch) * count);
+  const int greys = p.stereo_algorithm == StereoAlgorithm::kSgm ? 1 : 0;
+  bytes_.create(height, static_cast<int>(pitch) * (count + greys));
 }
 
 void SelectionBuffer::create(int width, int disparity_range) {

@@ -51,18 +51,26 @@ struct DisparityImage : BorderedImage<std::uint16_t> {
   void create(cv::Size size);
 };
 
+/// The smoothed left image, whose edges set the penalties of semi-global matching.
+struct GuideImage : BorderedImage<std::uint8_t> {
+  void create(cv::Size size) { BorderedImage::create(size, 0, 0); }
+};
+
 /// Census bits of an image in byte planes, row by row: bit k % 8 of byte x of plane k / 8 belongs
-/// to neighbour k of pixel x.
+/// to neighbour k of pixel x. For semi-global matching, one more plane has the grey values, smoothed
+/// along the row.
 struct CensusPlanes {
   int width = 0, height = 0;  // px
   int bits = 0;               // per pixel
-  int count = 0;              // planes
+  int count = 0;              // planes of bits
   std::ptrdiff_t pitch = 0;   // bytes from plane to plane of a row
 
   void create(cv::Size size, const Parameters& p);
   /// Returns pixel 0 of plane 0. Up to lanes_per_pixel() bytes before each plane may be read.
   std::uint8_t* row(int y) { return bytes_[y] + margin_; }
   const std::uint8_t* row(int y) const { return bytes_[y] + margin_; }
+  /// Returns pixel 0 of the grey values.
+  std::uint8_t* grey(int y) { return row(y) + count * pitch; }
 
  private:
   int margin_ = 0;  // bytes before a plane

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/simd/stages.hpp"
+#include "core/simd/turns.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
 
 namespace fpga_stereo::simd {
@@ -29,17 +30,32 @@ class Pipeline {
     Match match;
     SelectionBuffer selection;
     std::vector<std::uint8_t> kept;
+    // For semi-global matching, of the rows that are processed together.
+    Cost cost;
+    int next_cost_row = -1;
+    cv::Mat1b costs;
+    std::vector<PathSumsBuffer> sums;
+    HorizontalPaths horizontal_paths;
+    Fit fit;
     StageTimes ms{};  // of the rows that are timed
   };
 
   void create(cv::Size size, const Parameters& p, int num_threads);
   void match_to_subpixel(const Parameters& p, cv::Range rows, Band& band);
+  void cost_to_subpixel(const Parameters& p, int num_threads, StageTimes& ms);
+  void cost_to_check(const Parameters& p, cv::Range rows, int part, Band& band);
   void share_time(double wall, StageTimes& ms) const;
 
   Camera left_, right_;
   std::vector<Band> bands_;
   DisparityImage disparity_;
   SpeckleFilter speckle_;
+  // For semi-global matching.
+  GuideImage guide_;
+  VerticalPaths vertical_paths_;  // passed from thread to thread, row by row
+  Turns turns_;
+  ByteImage winner_, kept_;
+  DisparityImage smooth_;  // after the first median
 };
 
 }  // namespace fpga_stereo::simd

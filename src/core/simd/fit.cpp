@@ -1,0 +1,328 @@
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/simd/fit.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "core/simd/fit.hpp"
+#include "core/simd/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace fpga_stereo::simd::HWY_NAMESPACE {
+
+void interleave_planes(const std::uint8_t* plane, std::ptrdiff_t plane_pitch, int width,
+                       std::uint16_t* bits) {
+  const Block8 d;
+  const hn::Repartition<std::uint16_t, Block8> words;
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int x = 0; x < width; x += step) {
+    const auto low = hn::LoadU(d, plane + x), high = hn::LoadU(d, plane + plane_pitch + x);
+    hn::StoreU(hn::BitCast(words, hn::InterleaveLower(d, low, high)), words, bits + x);
+    hn::StoreU(hn::BitCast(words, hn::InterleaveUpper(d, low, high)), words, bits + x + step / 2);
+  }
+}
+
+/// Stores value k of 16 pixels at out[k] + x, given 8 bytes per pixel in descending order of k:
+/// interleaving pixels that are 8, 4, 2 and 1 apart brings the values of each k together. Values of
+/// pixels that are not kept become 0.
+HWY_INLINE void store_by_value(const std::uint8_t* pixels, const std::uint8_t* kept, int x,
+                               std::uint8_t* const out[5]) {
+  const Block8 d;
+  const auto low = [&](VBlock8 a, VBlock8 b) HWY_ATTR { return hn::InterleaveLower(d, a, b); };
+  const auto high = [&](VBlock8 a, VBlock8 b) HWY_ATTR { return hn::InterleaveUpper(d, a, b); };
+  const auto load = [&](int pair) HWY_ATTR { return hn::LoadU(d, pixels + 16 * pair); };
+  const VBlock8 p01 = load(0), p23 = load(1), p45 = load(2), p67 = load(3), p89 = load(4),
+                p1011 = load(5), p1213 = load(6), p1415 = load(7);
+  const VBlock8 p0_8 = low(p01, p89), p1_9 = high(p01, p89);
+  const VBlock8 p2_10 = low(p23, p1011), p3_11 = high(p23, p1011);
+  const VBlock8 p4_12 = low(p45, p1213), p5_13 = high(p45, p1213);
+  const VBlock8 p6_14 = low(p67, p1415), p7_15 = high(p67, p1415);
+  const VBlock8 by4_0 = low(p0_8, p4_12), by4_2 = low(p2_10, p6_14);
+  const VBlock8 by4_1 = low(p1_9, p5_13), by4_3 = low(p3_11, p7_15);
+  const VBlock8 even = low(by4_0, by4_2), even_next = high(by4_0, by4_2);
+  const VBlock8 odd = low(by4_1, by4_3), odd_next = high(by4_1, by4_3);
+  const VBlock8 even_last = low(high(p0_8, p4_12), high(p2_10, p6_14));
+  const VBlock8 odd_last = low(high(p1_9, p5_13), high(p3_11, p7_15));
+  const VBlock8 mask = hn::Sub(hn::Zero(d), hn::LoadU(d, kept + x));
+  const auto store = [&](VBlock8 v, int k) HWY_ATTR { hn::StoreU(hn::And(v, mask), d, out[k] + x); };
+  store(low(even, odd), 4);
+  store(high(even, odd), 3);
+  store(low(even_next, odd_next), 2);
+  store(high(even_next, odd_next), 1);
+  store(low(even_last, odd_last), 0);
+}
+
+/// Writes the distances of pixel `x` in descending order of the disparity, 8 bytes of which 5 count.
+HWY_INLINE void pixel_distances(const std::uint16_t* left, const std::uint16_t* right, int x, int d,
+                                std::uint8_t* out) {
+  const hn::CappedTag<std::uint16_t, 8> words;
+  const hn::Rebind<std::uint8_t, decltype(words)> bytes;
+  const hn::RebindToSigned<decltype(words)> signed_words;
+  const Block8 block;
+  const auto differing = hn::Xor(hn::Set(words, left[x]), hn::LoadU(words, right + x - d - 2));
+  const auto counts = hn::BitCast(words, hn::PopulationCount(hn::BitCast(block, differing)));
+  const auto distance = hn::Add(hn::And(counts, hn::Set(words, std::uint16_t{0xFF})),
+                                hn::ShiftRight<8>(counts));
+  hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(signed_words, distance)), bytes, out);
+}
+
+void winner_distances(const std::uint16_t* left, const std::uint16_t* right,
+                      const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
+                      std::uint8_t* const out[5]) {
+  constexpr int kPixels = 16;
+  HWY_ALIGN std::uint8_t pixels[8 * kPixels] = {};
+  for (int x0 = 0; x0 < width; x0 += kPixels) {
+    const int count = std::min(kPixels, width - x0);
+    for (int i = 0; i < count; ++i) {
+      const int x = x0 + i, d = winner[x];
+      std::uint8_t* const distances = pixels + 8 * i;
+      pixel_distances(left, right, x, d, distances);
+      if (d >= 2 && d < range - 2 && d + 2 <= x) continue;
+      for (int k = -2; k <= 2; ++k) {
+        if (d + k < 0 || d + k >= range || d + k > x) distances[2 - k] = kSgmCensusBits / 2;
+      }
+    }
+    store_by_value(pixels, kept, x0, out);
+  }
+}
+
+/// What a pixel adds to the sums of another whose winner is larger by `shift`.
+struct Shifted {
+  hn::Mask<Bytes> same, larger, smaller;
+
+  HWY_INLINE Shifted(VBytes winner, VBytes other_winner) {
+    const Bytes d;
+    const auto shift = hn::Sub(winner, other_winner);
+    same = hn::Eq(shift, hn::Zero(d));
+    larger = hn::Eq(shift, hn::Set(d, std::uint8_t{1}));
+    smaller = hn::Eq(shift, hn::Set(d, std::uint8_t{0xFF}));
+  }
+  /// Chooses the value that belongs to the same disparity, given three in ascending order.
+  HWY_INLINE VBytes choose(VBytes before, VBytes here, VBytes after) const {
+    return hn::IfThenElse(larger, after,
+                          hn::IfThenElse(smaller, before, hn::IfThenElseZero(same, here)));
+  }
+};
+
+void add_distances(const std::uint8_t* winner, const std::uint8_t* other_winner, int width,
+                   const std::uint8_t* const distances[5], std::uint8_t* const columns[5]) {
+  const Bytes d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int x = 0; x < width; x += step) {
+    const Shifted shifted(hn::LoadU(d, winner + x), hn::LoadU(d, other_winner + x));
+    const auto h0 = hn::LoadU(d, distances[0] + x), h1 = hn::LoadU(d, distances[1] + x),
+               h2 = hn::LoadU(d, distances[2] + x), h3 = hn::LoadU(d, distances[3] + x),
+               h4 = hn::LoadU(d, distances[4] + x);
+    const auto add = [&](int k, VBytes before, VBytes here, VBytes after) HWY_ATTR {
+      std::uint8_t* const sum = columns[k] + x;
+      hn::StoreU(hn::Add(hn::LoadU(d, sum), shifted.choose(before, here, after)), d, sum);
+    };
+    add(0, h0, h0, h1);
+    add(1, h0, h1, h2);
+    add(2, h1, h2, h3);
+    add(3, h2, h3, h4);
+    add(4, h3, h4, h4);
+  }
+}
+
+/// Sums of two bytes in alternating words: the even lanes and the odd ones.
+struct Sums {
+  using Words = hn::Repartition<std::uint16_t, Bytes>;
+  hn::Vec<Words> even, odd;
+
+  HWY_INLINE Sums() { even = odd = hn::Zero(Words()); }
+  HWY_INLINE void add(VBytes bytes) {
+    const Words d;
+    const auto words = hn::BitCast(d, bytes);
+    even = hn::Add(even, hn::And(words, hn::Set(d, std::uint16_t{0xFF})));
+    odd = hn::Add(odd, hn::ShiftRight<8>(words));
+  }
+};
+
+/// Returns the offset of the vertex in 1/32 px for words of sums c(-1), c(0), c(1).
+template <class D, class V>
+HWY_INLINE V vertex(D d, V before, V here, V after) {
+  // The quotient is at most kDisparityScale: 5 bits of magnitude and one more from a restoring
+  // division, exact in 16 bits: 2 a + b < 2^17, so it is halved first. round(a / b) =
+  // floor((a + b / 2) / b); b is even.
+  const auto depth = hn::SaturatedSub(hn::Max(before, after), here);
+  const auto difference = hn::Sub(hn::Max(before, after), hn::Min(before, after));
+  const auto divisor = hn::Add(hn::Add(depth, depth), hn::Set(d, std::uint16_t{kFitDamping}));
+  const hn::Repartition<float, D> df;
+  const hn::Repartition<std::uint32_t, D> dw;
+  const hn::RebindToSigned<decltype(dw)> di;
+  const auto mask = hn::Set(dw, 0xFFFFU);
+  const auto quotient = [&](auto a, auto b) HWY_ATTR {
+    const auto dividend =
+        hn::Add(hn::ShiftLeft<5>(a), hn::ShiftRight<1>(b));  // kDisparityScale is 2^5
+    const auto top = hn::ConvertTo(df, hn::BitCast(di, dividend));
+    const auto ratio = hn::Div(top, hn::ConvertTo(df, hn::BitCast(di, b)));
+    // Off by 1 at most, which the remainder corrects.
+    auto q = hn::BitCast(dw, hn::ConvertTo(di, hn::Min(ratio, hn::Set(df, 64.0F))));
+    const auto rest = hn::Sub(dividend, hn::Mul(q, b));
+    const auto one = hn::Set(di, 1);
+    const auto signed_rest = hn::BitCast(di, rest), signed_b = hn::BitCast(di, b);
+    auto signed_q = hn::BitCast(di, q);
+    signed_q = hn::IfThenElse(hn::Lt(signed_rest, hn::Zero(di)), hn::Sub(signed_q, one), signed_q);
+    signed_q = hn::IfThenElse(hn::Gt(signed_rest, hn::Sub(signed_b, one)),
+                              hn::Add(signed_q, one), signed_q);
+    return hn::BitCast(dw, hn::Min(signed_q, hn::Set(di, kDisparityScale)));
+  };
+  static_assert(kDisparityScale == 32);
+  const auto a = hn::BitCast(dw, difference), b = hn::BitCast(dw, divisor);
+  const auto low = quotient(hn::And(a, mask), hn::And(b, mask));
+  const auto high = quotient(hn::ShiftRight<16>(a), hn::ShiftRight<16>(b));
+  const auto magnitude = hn::BitCast(d, hn::Or(low, hn::ShiftLeft<16>(high)));
+  const auto offset =
+      hn::IfThenElse(hn::Lt(before, after), hn::Sub(hn::Zero(d), magnitude), magnitude);
+  return hn::IfThenZeroElse(hn::Eq(depth, hn::Zero(d)), offset);
+}
+
+void fit_row(const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
+             const std::uint8_t* const columns[5], std::uint16_t* disparity) {
+  const Bytes d;
+  const Sums::Words words;
+  const int step = static_cast<int>(hn::Lanes(d));
+  const auto first = hn::Set(words, std::uint16_t{0});
+  const auto last = hn::Set(words, static_cast<std::uint16_t>(range - 1));
+  const auto none = hn::Set(words, kNoDisparity);
+  const auto low_byte = hn::Set(words, std::uint16_t{0xFF});
+  for (int x = 0; x < width; x += step) {
+    const auto here = hn::LoadU(d, winner + x);
+    Sums before, at, after;
+    for (int i = x - kFitRadiusX; i <= x + kFitRadiusX; ++i) {
+      const Shifted shifted(here, hn::LoadU(d, winner + i));
+      const auto c0 = hn::LoadU(d, columns[0] + i), c1 = hn::LoadU(d, columns[1] + i),
+                 c2 = hn::LoadU(d, columns[2] + i), c3 = hn::LoadU(d, columns[3] + i),
+                 c4 = hn::LoadU(d, columns[4] + i);
+      before.add(shifted.choose(c0, c1, c2));
+      at.add(shifted.choose(c1, c2, c3));
+      after.add(shifted.choose(c2, c3, c4));
+    }
+    const auto finish = [&](auto dl, auto is_kept, auto c0, auto c1, auto c2) HWY_ATTR {
+      const auto is_inner = hn::And(hn::Gt(dl, first), hn::Lt(dl, last));
+      const auto offset = hn::IfThenElseZero(is_inner, vertex(words, c0, c1, c2));
+      const auto value = hn::Add(hn::ShiftLeft<5>(dl), offset);
+      return hn::IfThenElse(hn::Eq(is_kept, hn::Zero(words)), none, value);
+    };
+    const auto winners = hn::BitCast(words, here);
+    const auto kept_words = hn::BitCast(words, hn::LoadU(d, kept + x));
+    const auto even = finish(hn::And(winners, low_byte), hn::And(kept_words, low_byte),
+                             before.even, at.even, after.even);
+    const auto odd = finish(hn::ShiftRight<8>(winners), hn::ShiftRight<8>(kept_words), before.odd,
+                            at.odd, after.odd);
+    hn::StoreInterleaved2(even, odd, words, disparity + x);
+  }
+}
+
+void whole_row(const std::uint8_t* winner, const std::uint8_t* kept, int width,
+               std::uint16_t* disparity) {
+  const hn::CappedTag<std::uint16_t, kLaneGroup> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const int step = static_cast<int>(hn::Lanes(d));
+  for (int x = 0; x < width; x += step) {
+    const auto dl = hn::PromoteTo(d, hn::LoadU(bytes, winner + x));
+    const auto is_kept = hn::PromoteTo(d, hn::LoadU(bytes, kept + x));
+    const auto none = hn::Set(d, kNoDisparity);
+    hn::StoreU(hn::IfThenElse(hn::Eq(is_kept, hn::Zero(d)), none, hn::ShiftLeft<5>(dl)), d,
+               disparity + x);
+  }
+}
+
+}  // namespace fpga_stereo::simd::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace fpga_stereo::simd {
+
+HWY_EXPORT(interleave_planes);
+HWY_EXPORT(winner_distances);
+HWY_EXPORT(add_distances);
+HWY_EXPORT(fit_row);
+HWY_EXPORT(whole_row);
+
+void interleave_planes(const std::uint8_t* plane, std::ptrdiff_t plane_pitch, int width,
+                       std::uint16_t* bits) {
+  HWY_DYNAMIC_DISPATCH(interleave_planes)(plane, plane_pitch, width, bits);
+}
+void add_distances(const std::uint8_t* winner, const std::uint8_t* other_winner, int width,
+                   const std::uint8_t* const distances[5], std::uint8_t* const columns[5]) {
+  HWY_DYNAMIC_DISPATCH(add_distances)(winner, other_winner, width, distances, columns);
+}
+void fit_row(const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
+             const std::uint8_t* const columns[5], std::uint16_t* disparity) {
+  HWY_DYNAMIC_DISPATCH(fit_row)(winner, kept, width, range, columns, disparity);
+}
+void whole_row(const std::uint8_t* winner, const std::uint8_t* kept, int width,
+               std::uint16_t* disparity) {
+  HWY_DYNAMIC_DISPATCH(whole_row)(winner, kept, width, disparity);
+}
+
+void winner_distances(const std::uint16_t* left, const std::uint16_t* right,
+                      const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
+                      std::uint8_t* const out[5]) {
+  HWY_DYNAMIC_DISPATCH(winner_distances)(left, right, winner, kept, width, range, out);
+}
+
+void FiveRows::create(int width, int rows) {
+  bytes_.create(5 * rows, width + 2 * kBorder);
+  bytes_ = 0;
+}
+
+void Fit::start(const CensusPlanes& left, const CensusPlanes& right, const ByteImage& winner,
+                const ByteImage& kept, const Parameters& p, int first_row) {
+  left_ = &left;
+  right_ = &right;
+  winner_ = &winner;
+  kept_ = &kept;
+  parameters_ = p;
+  row_ = first_row;
+  distances_.create(left.width, 2 * kFitRadiusY + 1);
+  columns_.create(left.width, 1);
+  left_bits_.resize(static_cast<std::size_t>(left.width) + kBorder);
+  // A winner may point 2 px beyond either end of the right image, and up to 256 px before it.
+  right_bits_.assign(static_cast<std::size_t>(left.width) + 256 + 2 * kBorder, 0);
+  for (int y = std::max(first_row - kFitRadiusY, 0); y < first_row + kFitRadiusY; ++y) enter(y);
+}
+
+/// Computes the distances of a row that enters the window.
+void Fit::enter(int y) {
+  if (!parameters_.subpixel || y >= left_->height) return;
+  const int width = left_->width, slot = y % (2 * kFitRadiusY + 1);
+  std::uint16_t* const right = right_bits_.data() + 256 + kBorder;
+  interleave_planes(left_->row(y), left_->pitch, width, left_bits_.data());
+  interleave_planes(right_->row(y), right_->pitch, width, right);
+  std::uint8_t* const out[5] = {distances_.row(slot, 0), distances_.row(slot, 1),
+                                distances_.row(slot, 2), distances_.row(slot, 3),
+                                distances_.row(slot, 4)};
+  winner_distances(left_bits_.data(), right, winner_->image[y], kept_->image[y], width,
+                   parameters_.disparity_range, out);
+}
+
+void Fit::next(std::uint16_t* disparity) {
+  const int width = left_->width, y = row_++;
+  const std::uint8_t *winner = winner_->image[y], *kept = kept_->image[y];
+  if (!parameters_.subpixel) return whole_row(winner, kept, width, disparity);
+  enter(y + kFitRadiusY);
+  std::uint8_t* const columns[5] = {columns_.row(0, 0), columns_.row(0, 1), columns_.row(0, 2),
+                                    columns_.row(0, 3), columns_.row(0, 4)};
+  for (std::uint8_t* column : columns) std::fill_n(column, width, std::uint8_t{0});
+  const int last = std::min(y + kFitRadiusY, left_->height - 1);
+  for (int v = std::max(y - kFitRadiusY, 0); v <= last; ++v) {
+    const int slot = v % (2 * kFitRadiusY + 1);
+    const std::uint8_t* const distances[5] = {distances_.row(slot, 0), distances_.row(slot, 1),
+                                              distances_.row(slot, 2), distances_.row(slot, 3),
+                                              distances_.row(slot, 4)};
+    add_distances(winner, winner_->image[v], width, distances, columns);
+  }
+  // Pixels that are not kept add nothing to their row.
+  for (std::uint8_t* column : columns) {
+    for (int x = 0; x < width; ++x) column[x] = static_cast<std::uint8_t>(column[x] * kept[x]);
+    std::fill_n(column + width, kBorder, std::uint8_t{0});
+  }
+  fit_row(winner, kept, width, parameters_.disparity_range, columns, disparity);
+}
+
+}  // namespace fpga_stereo::simd
+#endif
