@@ -33,7 +33,7 @@ void median(const cv::Mat1w& in, cv::Range rows, cv::Mat1w& out) {
   constexpr int kSide = 2 * kMedianRadius + 1;
   out.create(in.size());
   if (rows == cv::Range::all()) rows = {0, in.rows};
-  std::array<std::uint16_t, static_cast<std::size_t>(kSide* kSide)> values{};
+  std::array<std::uint16_t, static_cast<std::size_t>(kSide * kSide)> values{};
   for (int y = rows.start; y < rows.end; ++y) {
     for (int x = 0; x < in.cols; ++x) {
       std::size_t n = 0;

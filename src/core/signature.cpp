@@ -51,7 +51,8 @@ std::uint32_t image_signature(const cv::Mat& image) {
   return s.value();
 }
 
-std::array<std::uint32_t, kNumGatewareStages> stage_signatures(const Taps& taps, const Parameters& p) {
+std::array<std::uint32_t, kNumGatewareStages> stage_signatures(const Taps& taps,
+                                                               const Parameters& p) {
   std::array<Signature, kNumGatewareStages> signatures;
   const auto add = [&](Stage stage, std::uint32_t word) {
     const auto at = std::find(kGatewareStages.begin(), kGatewareStages.end(), stage);

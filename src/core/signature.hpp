@@ -42,6 +42,7 @@ std::uint32_t image_signature(const cv::Mat& image);
 
 /// Returns the signatures of a frame of window matching, in the order of kGatewareStages. Taps have
 /// no window sums, so match runs again.
-std::array<std::uint32_t, kNumGatewareStages> stage_signatures(const Taps& taps, const Parameters& p);
+std::array<std::uint32_t, kNumGatewareStages> stage_signatures(const Taps& taps,
+                                                               const Parameters& p);
 
 }  // namespace fpga_stereo

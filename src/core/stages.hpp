@@ -92,9 +92,9 @@ class Aggregate {
   cv::Mat1b guide_;  // left image, smoothed
   Parameters parameters_;
   int row_ = 0;
-  cv::Mat1b up_;                  // N of the row above: W x D
-  cv::Mat1w sums_;                // W x D
-  cv::Mat1w by_disparity_;        // D x W
+  cv::Mat1b up_;            // N of the row above: W x D
+  cv::Mat1w sums_;          // W x D
+  cv::Mat1w by_disparity_;  // D x W
 };
 
 /// S of row y -> winner, right winner, runner-up and neighbours of row y. `out` is W x H.

@@ -158,6 +158,109 @@ TEST_P(Pipelines, ThreadsChangeNothing) {
   }
 }
 
+TEST_P(Pipelines, SgmOfEverySizeFromOnePixel) {
+  unsigned seed = 2100;
+  for (const cv::Size size : {cv::Size(1, 1),
+                              {1, 9},
+                              {9, 1},
+                              {7, 4},
+                              {15, 30},
+                              {16, 3},
+                              {17, 41},
+                              {33, 26},
+                              {64, 33},
+                              {65, 20},
+                              {129, 40},
+                              {320, 24}}) {
+    for (const SgmBuild build : {SgmBuild::kFull, SgmBuild::kSmall}) {
+      Parameters p;
+      p.disparity_range = 32;
+      p.sgm_build = build;
+      p.dense = size.width % 2 == 0;
+      p.speckle_size = 12;
+      const SlantedPair pair = textured_pair(size, ++seed);
+      ASSERT_TRUE(
+          equal(pair.left, pair.right, random_rectification(size, seed), {p, seed, "textured"}));
+      ASSERT_TRUE(equal(padded(pair.left, 1), padded(pair.right, 2), identity_for(size),
+                        {p, seed, "padded"}, 2));
+    }
+  }
+  EXPECT_GT(valid_, 1000);
+}
+
+TEST_P(Pipelines, SgmOfEveryRange) {
+  const cv::Size size(150, 20);
+  const SlantedPair pair = textured_pair(size, 8);
+  for (const int range : {8, 12, 28, 32, 36, 60, 64, 68, 96, 128, 160, 252, 256}) {
+    for (const SgmBuild build : {SgmBuild::kFull, SgmBuild::kSmall}) {
+      Parameters p;
+      p.disparity_range = range;
+      p.sgm_build = build;
+      p.speckle_size = 20;
+      ASSERT_TRUE(equal(pair.left, pair.right, random_rectification(size, 8), {p, 8, "range"}, 3));
+    }
+  }
+  EXPECT_GT(valid_, 1000);
+}
+
+TEST_P(Pipelines, DenseWithEverySwitchAndAlgorithm) {
+  const cv::Size size(80, 40);
+  const SlantedPair pair = textured_pair(size, 10);
+  for (Parameters p : {Parameters(), window_parameters()}) {
+    for (int switches = 0; switches < 16; ++switches) {
+      p.disparity_range = 32;
+      p.dense = true;
+      p.left_right_check = (switches & 1) != 0;
+      p.uniqueness_check = (switches & 2) != 0;
+      p.subpixel = (switches & 4) != 0;
+      p.speckle_size = (switches & 8) != 0 ? 30 : 0;
+      p.median_difference = switches * 17;
+      ASSERT_TRUE(equal(pair.left, pair.right, identity_for(size), {p, 10, "switches"}));
+    }
+  }
+}
+
+TEST_P(Pipelines, SgmOfExtremeImages) {
+  const cv::Size size(70, 26);
+  Parameters p;
+  p.disparity_range = 32;
+  p.speckle_size = 5;
+  for (const NamedImage& left : extreme_images(size, 5)) {
+    for (const NamedImage& right : extreme_images(size, 6)) {
+      p.dense = !p.dense;
+      const Case c{p, 5, left.name + " / " + right.name};
+      ASSERT_TRUE(equal(left.image, right.image, identity_for(size), c, 2));
+    }
+  }
+}
+
+TEST_P(Pipelines, ThreadsChangeNothingInSgm) {
+  const cv::Size size(61, 77);
+  const SlantedPair pair = textured_pair(size, 7);
+  Parameters p;
+  p.disparity_range = 32;
+  for (const SgmBuild build : {SgmBuild::kFull, SgmBuild::kSmall}) {
+    p.sgm_build = build;
+    for (const int threads : {1, 2, 3, 5, 7, 37, 200}) {
+      p.dense = !p.dense;
+      const Case c{p, 7, std::to_string(threads) + " threads"};
+      ASSERT_TRUE(equal(pair.left, pair.right, random_rectification(size, 7), c, threads));
+    }
+  }
+}
+
+TEST_P(Pipelines, AlgorithmsTakeTurns) {
+  const cv::Size size(90, 30);
+  const SlantedPair pair = textured_pair(size, 14);
+  for (const int range : {64, 32, 64}) {
+    for (Parameters p : {Parameters(), window_parameters(), Parameters()}) {
+      p.disparity_range = range;
+      p.dense = range == 32;
+      ASSERT_TRUE(equal(pair.left, pair.right, identity_for(size), {p, 14, "turns"}, 2));
+    }
+  }
+}
+
 TEST_P(Pipelines, RectifiesColorLikeTheReference) {
   for (const cv::Size size : {cv::Size(1, 1), {5, 7}, {64, 20}, {101, 33}}) {
     for (const int max_units : {100, 3000}) {

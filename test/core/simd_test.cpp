@@ -7,34 +7,12 @@
 #include "core/pipeline_rig.hpp"
 #include "core/simd/stage_timer.hpp"
 #include "core/simd/stages.hpp"
+#include "core/simd_rig.hpp"
 #include "core/stages.hpp"
-#include "fpga_stereo/core/target.hpp"
 #include "support/compare.hpp"
 
 namespace fpga_stereo::test {
 namespace {
-
-std::vector<std::string> simd_targets() {
-  std::vector<std::string> names = targets();
-  names.pop_back();  // scalar
-  return names;
-}
-
-class SimdStages : public ::testing::TestWithParam<std::string> {
- protected:
-  void SetUp() override { ASSERT_TRUE(choose_target(GetParam())); }
-  void TearDown() override { ASSERT_TRUE(choose_target(targets().front())); }
-};
-
-simd::CensusPlanes simd_census(const cv::Mat1b& image, const Parameters& p) {
-  simd::CensusImage input;
-  input.create(image.size());
-  image.copyTo(input.image);
-  simd::CensusPlanes bits;
-  bits.create(image.size(), p);
-  simd::census(input, p, {0, image.rows}, bits);
-  return bits;
-}
 
 /// Packs byte planes as the scalar stage packs census bits.
 cv::Mat packed(const simd::CensusPlanes& planes) {
@@ -300,8 +278,7 @@ TEST(StageTimer, AddsNothingIfDisabled) {
   EXPECT_EQ(ms, StageTimes{});
 }
 
-std::string name_of(const ::testing::TestParamInfo<std::string>& info) { return info.param; }
-INSTANTIATE_TEST_SUITE_P(Targets, SimdStages, ::testing::ValuesIn(simd_targets()), name_of);
+INSTANTIATE_TEST_SUITE_P(Targets, SimdStages, ::testing::ValuesIn(simd_targets()), target_name);
 
 }  // namespace
 }  // namespace fpga_stereo::test

@@ -16,17 +16,16 @@ void penalties(const std::uint8_t* a, const std::uint8_t* b, int count, const Pa
                std::uint8_t* p2) {
   const Bytes d;
   const int step = static_cast<int>(hn::Lanes(d));
-  const auto set = [&](int value)
-                       HWY_ATTR { return hn::Set(d, static_cast<std::uint8_t>(value)); };
+  const auto set = [&](int value) HWY_ATTR { return hn::Set(d, static_cast<std::uint8_t>(value)); };
   const auto edge = set(p.sgm_edge), strong_edge = set(p.sgm_strong_edge);
   const auto flat = set(p.sgm_p2), at_edge = set(p.sgm_p2_edge);
   const auto at_strong_edge = set(p.sgm_p2_strong_edge);
   for (int i = 0; i < count; i += step) {
     const auto x = hn::LoadU(d, a + i), y = hn::LoadU(d, b + i);
     const auto difference = hn::Or(hn::SaturatedSub(x, y), hn::SaturatedSub(y, x));
-    const auto penalty = hn::IfThenElse(
-        hn::Lt(difference, edge), flat,
-        hn::IfThenElse(hn::Lt(difference, strong_edge), at_edge, at_strong_edge));
+    const auto penalty =
+        hn::IfThenElse(hn::Lt(difference, edge), flat,
+                       hn::IfThenElse(hn::Lt(difference, strong_edge), at_edge, at_strong_edge));
     hn::StoreU(penalty, d, p2 + i);
   }
 }
@@ -102,8 +101,7 @@ HWY_INLINE void vertical(const std::uint8_t* costs, const std::uint8_t* p2,
         }
       } else {
         for (int i = 0; i < lanes; i += step) {
-          const auto cost =
-              hn::Add(hn::Min(steps.next(i), jump), hn::LoadU(d, costs + at + i));
+          const auto cost = hn::Add(hn::Min(steps.next(i), jump), hn::LoadU(d, costs + at + i));
           hn::StoreU(cost, d, out + i);
           min = hn::Min(min, cost);
         }
@@ -227,8 +225,8 @@ HWY_INLINE void horizontal(const std::uint8_t* costs, const std::uint8_t* p2, in
   begin(0, left_state);
   if (kBoth) begin(width - 1, right_state);
   for (int n = 1; n < width; ++n) {
-    const auto left_min = left.template advance<kLanes>(costs_of(n), p2[n], p1, lanes, left_state,
-                                                        sums.column(n));
+    const auto left_min =
+        left.template advance<kLanes>(costs_of(n), p2[n], p1, lanes, left_state, sums.column(n));
     if constexpr (kBoth) {
       const int x = width - 1 - n;
       const auto right_min = right.template advance<kLanes>(costs_of(x), p2[x + 1], p1, lanes,
@@ -323,8 +321,8 @@ void HorizontalPaths::start(int width, const Parameters& p) {
 void HorizontalPaths::add(const cv::Mat1b& guide, int y, const std::uint8_t* costs,
                           const PathSums& sums) {
   penalties(guide[y] + 1, guide[y], sums.width - 1, parameters_, p2_.data() + 1);
-  horizontal_paths(costs, p2_.data(), parameters_.sgm_p1,
-                   parameters_.sgm_build == SgmBuild::kFull, state_.data(), sums);
+  horizontal_paths(costs, p2_.data(), parameters_.sgm_p1, parameters_.sgm_build == SgmBuild::kFull,
+                   state_.data(), sums);
 }
 
 }  // namespace fpga_stereo::simd

@@ -42,8 +42,8 @@ class VerticalPaths {
 
  private:
   Parameters parameters_;
-  cv::Mat1b paths_;                             // N of the row above, W x lanes, and a pixel more
-  std::vector<std::uint8_t> p2_, p2_right_;     // penalties of the steps from above
+  cv::Mat1b paths_;                          // N of the row above, W x lanes, and a pixel more
+  std::vector<std::uint8_t> p2_, p2_right_;  // penalties of the steps from above
 };
 
 /// Adds the contributions of the paths from the left and, in the full build, from the right.
@@ -64,8 +64,8 @@ class HorizontalPaths {
 void penalties(const std::uint8_t* a, const std::uint8_t* b, int count, const Parameters& p,
                std::uint8_t* p2);
 /// Path from above. `paths` has N of the row above and receives that of this row.
-void vertical_path(const std::uint8_t* costs, const std::uint8_t* p2, int p1,
-                   std::uint8_t* paths, const PathSums& sums);
+void vertical_path(const std::uint8_t* costs, const std::uint8_t* p2, int p1, std::uint8_t* paths,
+                   const PathSums& sums);
 /// Paths from above and from the upper right. N of the column behind the row must be 0.
 void vertical_path_pair(const std::uint8_t* costs, const std::uint8_t* p2,
                         const std::uint8_t* p2_right, int p1, std::uint8_t* paths,

@@ -45,7 +45,8 @@ HWY_INLINE void store_by_value(const std::uint8_t* pixels, const std::uint8_t* k
   const VBlock8 even_last = low(high(p0_8, p4_12), high(p2_10, p6_14));
   const VBlock8 odd_last = low(high(p1_9, p5_13), high(p3_11, p7_15));
   const VBlock8 mask = hn::Sub(hn::Zero(d), hn::LoadU(d, kept + x));
-  const auto store = [&](VBlock8 v, int k) HWY_ATTR { hn::StoreU(hn::And(v, mask), d, out[k] + x); };
+  const auto store = [&](VBlock8 v, int k)
+                         HWY_ATTR { hn::StoreU(hn::And(v, mask), d, out[k] + x); };
   store(low(even, odd), 4);
   store(high(even, odd), 3);
   store(low(even_next, odd_next), 2);
@@ -53,7 +54,8 @@ HWY_INLINE void store_by_value(const std::uint8_t* pixels, const std::uint8_t* k
   store(low(even_last, odd_last), 0);
 }
 
-/// Writes the distances of pixel `x` in descending order of the disparity, 8 bytes of which 5 count.
+/// Writes the distances of pixel `x` in descending order of the disparity, 8 bytes of which 5
+/// count.
 HWY_INLINE void pixel_distances(const std::uint16_t* left, const std::uint16_t* right, int x, int d,
                                 std::uint8_t* out) {
   const hn::CappedTag<std::uint16_t, 8> words;
@@ -62,8 +64,8 @@ HWY_INLINE void pixel_distances(const std::uint16_t* left, const std::uint16_t* 
   const Block8 block;
   const auto differing = hn::Xor(hn::Set(words, left[x]), hn::LoadU(words, right + x - d - 2));
   const auto counts = hn::BitCast(words, hn::PopulationCount(hn::BitCast(block, differing)));
-  const auto distance = hn::Add(hn::And(counts, hn::Set(words, std::uint16_t{0xFF})),
-                                hn::ShiftRight<8>(counts));
+  const auto distance =
+      hn::Add(hn::And(counts, hn::Set(words, std::uint16_t{0xFF})), hn::ShiftRight<8>(counts));
   hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(signed_words, distance)), bytes, out);
 }
 
@@ -165,8 +167,8 @@ HWY_INLINE V vertex(D d, V before, V here, V after) {
     const auto signed_rest = hn::BitCast(di, rest), signed_b = hn::BitCast(di, b);
     auto signed_q = hn::BitCast(di, q);
     signed_q = hn::IfThenElse(hn::Lt(signed_rest, hn::Zero(di)), hn::Sub(signed_q, one), signed_q);
-    signed_q = hn::IfThenElse(hn::Gt(signed_rest, hn::Sub(signed_b, one)),
-                              hn::Add(signed_q, one), signed_q);
+    signed_q = hn::IfThenElse(hn::Gt(signed_rest, hn::Sub(signed_b, one)), hn::Add(signed_q, one),
+                              signed_q);
     return hn::BitCast(dw, hn::Min(signed_q, hn::Set(di, kDisparityScale)));
   };
   static_assert(kDisparityScale == 32);
@@ -208,8 +210,8 @@ void fit_row(const std::uint8_t* winner, const std::uint8_t* kept, int width, in
     };
     const auto winners = hn::BitCast(words, here);
     const auto kept_words = hn::BitCast(words, hn::LoadU(d, kept + x));
-    const auto even = finish(hn::And(winners, low_byte), hn::And(kept_words, low_byte),
-                             before.even, at.even, after.even);
+    const auto even = finish(hn::And(winners, low_byte), hn::And(kept_words, low_byte), before.even,
+                             at.even, after.even);
     const auto odd = finish(hn::ShiftRight<8>(winners), hn::ShiftRight<8>(kept_words), before.odd,
                             at.odd, after.odd);
     hn::StoreInterleaved2(even, odd, words, disparity + x);

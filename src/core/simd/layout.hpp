@@ -57,8 +57,8 @@ struct GuideImage : BorderedImage<std::uint8_t> {
 };
 
 /// Census bits of an image in byte planes, row by row: bit k % 8 of byte x of plane k / 8 belongs
-/// to neighbour k of pixel x. For semi-global matching, one more plane has the grey values, smoothed
-/// along the row.
+/// to neighbour k of pixel x. For semi-global matching, one more plane has the grey values,
+/// smoothed along the row.
 struct CensusPlanes {
   int width = 0, height = 0;  // px
   int bits = 0;               // per pixel

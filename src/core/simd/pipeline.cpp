@@ -53,9 +53,8 @@ void Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
   out.disparity = disparity_.image;
 
   if (p.dense) {
-    for_each_band(size.height, num_threads, [&](int, cv::Range rows) {
-      fill(rows, disparity_.image);
-    });
+    for_each_band(size.height, num_threads,
+                  [&](int, cv::Range rows) { fill(rows, disparity_.image); });
     timer.lap(Stage::kFill);
     for_each_band(size.height, num_threads, [&](int, cv::Range rows) {
       masked_median(left_.rectified, disparity_, p, rows, smooth_);
@@ -146,7 +145,8 @@ void Pipeline::cost_to_check(const Parameters& p, cv::Range rows, int part, Band
   timer.lap(Stage::kCost);
 
   turns_.wait_for(part);
-  for (int y = rows.start; y < rows.end; ++y) vertical_paths_.next(guide_.image, y, costs(y), sums(y));
+  for (int y = rows.start; y < rows.end; ++y)
+    vertical_paths_.next(guide_.image, y, costs(y), sums(y));
   turns_.pass(part);
   for (int y = rows.start; y < rows.end; ++y) {
     band.horizontal_paths.add(guide_.image, y, costs(y), sums(y));

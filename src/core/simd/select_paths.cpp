@@ -44,8 +44,8 @@ HWY_INLINE void select_left_of(const PathSums& sums_in, const SelectionRow& out_
   const Bytes d;
   const Words words;
   const int lanes = kLanes > 0 ? kLanes : sums.lanes, step = static_cast<int>(hn::Lanes(d));
-  const auto descending = hn::Sub(hn::Set(d, static_cast<std::uint8_t>(lanes - 1)),
-                                  hn::Iota(d, std::uint8_t{0}));
+  const auto descending =
+      hn::Sub(hn::Set(d, static_cast<std::uint8_t>(lanes - 1)), hn::Iota(d, std::uint8_t{0}));
   const auto step_down = hn::Set(d, static_cast<std::uint8_t>(step));
   HWY_ALIGN std::uint8_t blocks[16 * kPixels] = {};
   HWY_ALIGN std::uint8_t runners_up[kPixels];
@@ -67,8 +67,8 @@ HWY_INLINE void select_left_of(const PathSums& sums_in, const SelectionRow& out_
       const int winner = best & 0xFF;
       out.winner[x0 + k] = static_cast<std::uint8_t>(winner);
       out.winner_sum[x0 + k] = best >> 8;
-      const std::uint8_t* const excluded = &kWinnerMask[static_cast<std::size_t>(
-          256 - (lanes - 1 - winner))];
+      const std::uint8_t* const excluded =
+          &kWinnerMask[static_cast<std::size_t>(256 - (lanes - 1 - winner))];
       auto others = hn::Set(d, kNoPathSum);
       for (int i = 0; i < lanes; i += step) {
         others = hn::Min(others, hn::Or(hn::LoadU(d, s + i), hn::LoadU(d, excluded + i)));
@@ -124,8 +124,8 @@ void select_right_pixels(const PathSums& sums_in, std::uint8_t* right_winner) {
       number = hn::Add(number, one);
     }
     const auto store = [&](const RightPixels& from, int x) HWY_ATTR {
-      const auto here = hn::Add(hn::Set(d, static_cast<std::uint8_t>(x)),
-                                hn::Iota(d, std::uint8_t{0}));
+      const auto here =
+          hn::Add(hn::Set(d, static_cast<std::uint8_t>(x)), hn::Iota(d, std::uint8_t{0}));
       hn::StoreU(hn::Sub(from.partner, here), d, right_winner + x);
     };
     store(pixels, first);

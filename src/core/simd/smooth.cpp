@@ -47,8 +47,8 @@ void binomial_columns(const std::uint8_t* const rows[5], int width, std::uint16_
   const Words d;
   const int step = static_cast<int>(hn::Lanes(d));
   for (int x = 0; x < width; x += step) {
-    hn::StoreU(binomial(load(rows[0] + x), load(rows[1] + x), load(rows[2] + x),
-                        load(rows[3] + x), load(rows[4] + x)),
+    hn::StoreU(binomial(load(rows[0] + x), load(rows[1] + x), load(rows[2] + x), load(rows[3] + x),
+                        load(rows[4] + x)),
                d, out + x);
   }
 }

@@ -1,7 +1,6 @@
 // Lets threads share work whose parts depend on each other in order.
 #pragma once
 
-
 #include "core/thread_safety.hpp"
 
 namespace fpga_stereo::simd {
