@@ -80,10 +80,11 @@ const std::string& BoardTest::matched(int i) {
   std::string& png = matched_[static_cast<std::size_t>(i)];
   if (!png.empty()) return png;
   const std::string name = std::to_string(i) + ".png";
-  const Outcome run = match(with(
-      {at("images/left/" + name), at("images/right/" + name), at("matched.png"),
-       "--disparity_range", "16", "--census_window_size", "5", "--correlation_window_size", "5"},
-      settings()));
+  const Outcome run =
+      match(with({at("images/left/" + name), at("images/right/" + name), at("matched.png"),
+                  "--stereo_algorithm", "window", "--disparity_range", "16", "--census_window_size",
+                  "5", "--correlation_window_size", "5"},
+                 settings()));
   EXPECT_EQ(run.code, 0) << run.err;
   return png = bytes(at("matched.png"));
 }

@@ -146,6 +146,10 @@ TEST_F(BoardTest, RefusesUnsupportedSettings) {
   expect_refused("board", board("upload", {"--size", "96x48"}), 1, {"width", "96", "64"});
   expect_refused("board", board("upload", {"--size", "64x48", "--disparity_range", "32"}), 1,
                  {"disparity_range = 32", "16"});
+  expect_refused("board", board("upload", {"--size", "64x48", "--stereo_algorithm", "sgm"}), 1,
+                 {"stereo_algorithm = sgm: this gateware is built for window only"});
+  expect_refused("board", board("upload", {"--size", "64x48", "--dense", "true"}), 1,
+                 {"dense = true: this gateware is built for false only"});
   expect_refused("board", board("selftest"), 1, {"accepts no pairs from the host"});
   EXPECT_EQ(board("upload", {"--size", "64x48"}).code, 0);
   expect_refused("board", board("measure", {"1", "--streams", "raw_left"}), 1,

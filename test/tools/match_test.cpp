@@ -1,8 +1,10 @@
 // The output of match.
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 
 #include "core/reference_pipeline.hpp"
 #include "fpga_stereo/core/convert.hpp"
@@ -56,15 +58,15 @@ class Match : public ProgramTest {
 };
 
 TEST_F(Match, PngEqualsThePipeline) {
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   parameters.min_disparity = -3;
   parameters.disparity_range = 32;
   parameters.census_pattern = CensusPattern::kFull;
   parameters.subpixel = false;
   parameters.speckle_size = 10;
-  const Outcome run =
-      match({left_, right_, at("out.png"), "--min_disparity", "-3", "--disparity_range", "32",
-             "--census_pattern", "full", "--subpixel", "false", "--speckle_size=10"});
+  const Outcome run = match({left_, right_, at("out.png"), "--stereo_algorithm", "window",
+                             "--min_disparity", "-3", "--disparity_range", "32", "--census_pattern",
+                             "full", "--subpixel", "false", "--speckle_size=10"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(run.out + run.err, "");
   const cv::Mat written = cv::imread(at("out.png"), cv::IMREAD_UNCHANGED);
@@ -157,13 +159,39 @@ TEST_F(Match, RectifiesWithCameraInfo) {
   }
 }
 
-TEST_F(Match, VerbosePrintsTheTimeOfEveryStage) {
-  const Outcome run = match({left_, right_, at("out.png"), "--verbose"});
-  ASSERT_EQ(run.code, 0);
-  for (const char* stage : kStageNames) {
-    EXPECT_NE(run.err.find(std::string("\n") + stage), std::string::npos) << stage;
-  }
-  EXPECT_EQ(run.out, "");
+TEST_F(Match, ComputesDense) {
+  Parameters parameters;
+  parameters.disparity_range = 16;
+  parameters.sgm_build = SgmBuild::kSmall;
+  parameters.dense = true;
+  const Outcome run = match({left_, right_, at("out.png"), "--disparity_range", "16", "--sgm_build",
+                             "small", "--dense", "true"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const cv::Mat1w written = cv::imread(at("out.png"), cv::IMREAD_UNCHANGED);
+  EXPECT_TRUE(equal(written, expected(pair_, identity(0), parameters)));
+  EXPECT_EQ(cv::countNonZero(written == kNoDisparity), 0);
+}
+
+TEST_F(Match, VerbosePrintsTheTimesOfTheStagesThatRan) {
+  const auto stages = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{left_, right_, at("out.png"), "--verbose"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome run = match(arguments);
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(run.out, "");
+    std::string found;
+    std::istringstream lines(run.err);
+    for (std::string line; std::getline(lines, line);) {
+      const std::string word = line.substr(0, line.find(' '));
+      const bool is_stage =
+          std::find(kStageNames.begin(), kStageNames.end(), word) != kStageNames.end();
+      if (is_stage) found += word + " ";
+    }
+    return found;
+  };
+  EXPECT_EQ(stages({}), "rectify census cost aggregate select check subpixel speckle ");
+  EXPECT_EQ(stages({"--stereo_algorithm", "window", "--dense", "true"}),
+            "rectify census match select check subpixel speckle fill median ");
 }
 
 }  // namespace

@@ -25,12 +25,7 @@ TEST_F(MatchUsage, HelpNamesEveryParameterWithItsRange) {
   const Outcome run = match({"--help"});
   EXPECT_EQ(run.code, 0);
   EXPECT_EQ(run.err, "");
-  std::string text;  // without line breaks and indentation
-  for (const char c : run.out) {
-    const bool blank = c == ' ' || c == '\n';
-    if (!blank) text += c;
-    if (blank && (text.empty() || text.back() != ' ')) text += ' ';
-  }
+  const std::string text = on_one_line(run.out);
   for (const ParameterInfo& info : parameter_table()) {
     EXPECT_NE(text.find("--" + info.name + " "), std::string::npos) << info.name;
     EXPECT_NE(text.find("[" + allowed_values(info)), std::string::npos) << info.name;

@@ -51,6 +51,9 @@ class ProgramTest : public testing::Test {
 /// Returns the bytes of a file. The test fails if it cannot be read.
 std::string bytes(const std::string& path);
 
+/// Returns the text of a help without its line breaks and indentation.
+std::string on_one_line(const std::string& text);
+
 /// Returns whether two images have equal size, type and values.
 bool equal(const cv::Mat& a, const cv::Mat& b);
 

@@ -55,12 +55,15 @@ class Simulate : public SimulateUsage {
   Outcome simulated(const std::string& out, const std::vector<std::string>& more = {}) const {
     return simulate(with({left_, right_, at(out), "--models", kModels}, more));
   }
+  Outcome matched(const std::string& out, const std::vector<std::string>& more = {}) const {
+    return match(with({left_, right_, at(out), "--stereo_algorithm", "window"}, more));
+  }
   void expect_equal(const std::vector<std::string>& more) const {
     for (const std::string extension : {".png", ".pfm"}) {
       const Outcome run = simulated("simulated" + extension, more);
       ASSERT_EQ(run.code, 0) << run.err;
       EXPECT_EQ(run.out + run.err, "");
-      ASSERT_EQ(match(with({left_, right_, at("matched" + extension)}, more)).code, 0);
+      ASSERT_EQ(matched("matched" + extension, more).code, 0);
       EXPECT_EQ(bytes(at("simulated" + extension)), bytes(at("matched" + extension)));
     }
   }
@@ -80,7 +83,7 @@ TEST_F(Simulate, SameFilesAsMatchWithCameraInfo) {
 
 TEST_F(Simulate, SameColorPictureAsMatch) {
   ASSERT_EQ(simulated("out.png", {"--color", at("simulated.ppm")}).code, 0);
-  ASSERT_EQ(match(with({left_, right_, at("out.png")}, {"--color", at("matched.ppm")})).code, 0);
+  ASSERT_EQ(matched("out.png", {"--color", at("matched.ppm")}).code, 0);
   EXPECT_EQ(bytes(at("simulated.ppm")), bytes(at("matched.ppm")));
 }
 
@@ -97,7 +100,7 @@ TEST_F(Simulate, Cycles) {
     EXPECT_TRUE(std::regex_search(run.out, std::regex("(^|\n)" + line + "\n"))) << line << " in:\n"
                                                                                 << run.out;
   }
-  ASSERT_EQ(match(with({left_, right_, at("matched.png")}, {})).code, 0);
+  ASSERT_EQ(matched("matched.png").code, 0);
   EXPECT_EQ(bytes(at("out.png")), bytes(at("matched.png")));
 }
 
@@ -141,6 +144,7 @@ TEST_F(SimulateUsage, HelpNamesEveryOption) {
   for (const ParameterInfo& info : parameter_table()) {
     EXPECT_NE(run.out.find("--" + info.name + " "), std::string::npos) << info.name;
   }
+  EXPECT_NE(on_one_line(run.out).find("[window or sgm; default window]"), std::string::npos);
 }
 
 TEST_F(SimulateUsage, WrongUsage) {
@@ -153,6 +157,12 @@ TEST_F(SimulateUsage, WrongUsage) {
   }
   expect_refused({"--left-info", "left.yaml"}, 2, {"--left-info is given without --right-info"});
   expect_refused({"--cycle"}, 2, {"--cycle"});
+}
+
+TEST_F(SimulateUsage, WhatNoGatewareHas) {
+  expect_refused({"--stereo_algorithm", "sgm"}, 1,
+                 {"stereo_algorithm = sgm: this gateware is built for window only"});
+  expect_refused({"--dense", "true"}, 1, {"dense = true: this gateware is built for false only"});
 }
 
 TEST_F(SimulateUsage, UnsupportedSizes) {

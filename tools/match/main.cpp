@@ -22,10 +22,13 @@ CommandLine command_line() {
   return line;
 }
 
+/// Prints the times of the stages that ran.
 void print_times(const StageTimes& ms) {
   double total = 0;
   std::cerr << std::fixed << std::setprecision(2);
   for (std::size_t stage = 0; stage < ms.size(); ++stage) {
+    const bool ran = ms[stage] > 0;
+    if (!ran) continue;
     std::cerr << std::left << std::setw(10) << kStageNames[stage] << std::right << std::setw(10)
               << ms[stage] << " ms\n";
     total += ms[stage];

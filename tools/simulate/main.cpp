@@ -24,7 +24,10 @@ CommandLine command_line() {
                        "gateware, clock by\n"
                        "clock. The first use of a set of parameters builds a gateware for them: "
                        "this takes a minute\n"
-                       "or two and needs verilator. The result is kept in the folder --models.\n");
+                       "or two and needs verilator. The result is kept in the folder --models. "
+                       "The gateware has window\n"
+                       "matching only, so this is the default here, and sgm and dense are "
+                       "refused.\n");
   line.options.add_options()(
       "vcd", po::value<std::string>()->value_name("FILE"),
       "write all signals of the gateware to a VCD file, for gtkwave; the file is large");
@@ -44,7 +47,7 @@ CommandLine command_line() {
   add_threads_option(line.options);
   line.options.add_options()("verbose", po::bool_switch(),
                              "print the quality and needs of rectification to stderr");
-  line.options.add(parameter_options());
+  line.options.add(parameter_options(window_parameters()));
   return line;
 }
 
@@ -116,7 +119,7 @@ void simulate(const Arguments& arguments) {
   const std::string vcd = options.count("vcd") != 0 ? options["vcd"].as<std::string>() : "";
   const std::string folder =
       options.count("models") != 0 ? options["models"].as<std::string>() : default_models_folder();
-  const StereoJob job = read_job(*parsed);
+  const StereoJob job = read_job(*parsed, window_parameters());
   if (options["verbose"].as<bool>()) print_rectification(job.rectification);
 
   const GatewareBuild build = smallest_build(job, rows);

@@ -8,9 +8,8 @@ namespace fpga_stereo::tools {
 
 namespace po = boost::program_options;
 
-po::options_description parameter_options() {
+po::options_description parameter_options(const Parameters& defaults) {
   po::options_description options("Parameters of the pipeline");
-  const Parameters defaults;
   for (const ParameterInfo& info : parameter_table()) {
     const std::string unit = info.unit.empty() ? "" : " " + info.unit;
     const std::string about = fmt::format("{} [{}{}; default {}]", info.about, allowed_values(info),

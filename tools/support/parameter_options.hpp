@@ -8,7 +8,7 @@
 namespace fpga_stereo::tools {
 
 /// Returns one option per row of parameter_table(), with unit, range and default in the help.
-boost::program_options::options_description parameter_options();
+boost::program_options::options_description parameter_options(const Parameters& defaults = {});
 
 /// Returns `defaults` with the values given on the command line. Throws UsageError with name, value
 /// and range.

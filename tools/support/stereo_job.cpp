@@ -58,14 +58,14 @@ CommandLine job_command_line(const std::string& program, const std::string& abou
   return line;
 }
 
-StereoJob read_job(const Parsed& parsed) {
+StereoJob read_job(const Parsed& parsed, const Parameters& defaults) {
   const po::variables_map& options = parsed.options;
   const std::string& left_path = parsed.positional[0];
   const std::string& right_path = parsed.positional[1];
 
   // Check everything that needs no file first.
   StereoJob job;
-  job.parameters = parameters_from(options);
+  job.parameters = parameters_from(options, defaults);
   job.out_path = parsed.positional[2];
   require_disparity_extension(job.out_path);
   if (options.count("color") != 0) {

@@ -23,8 +23,9 @@ struct StereoJob {
 /// program adds its own options and, last, parameter_options().
 CommandLine job_command_line(const std::string& program, const std::string& about);
 
-/// Checks the command line, reads the files and makes the rectification meshes.
-StereoJob read_job(const Parsed& parsed);
+/// Checks the command line, reads the files and makes the rectification meshes. `defaults` are the
+/// values of parameters that are not given.
+StereoJob read_job(const Parsed& parsed, const Parameters& defaults = {});
 
 /// Makes the rectification of two camera_info files. Throws std::runtime_error.
 StereoRectification read_rectification(const std::string& left_path, const std::string& right_path,
