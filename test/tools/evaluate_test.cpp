@@ -1,6 +1,7 @@
 // evaluate, on small scenes with known percentages and on the real images.
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <sstream>
 
 #include "programs.hpp"
@@ -19,15 +20,18 @@ const cv::Rect kWrongTruth(50, 0, 5, 48);  // no disparity agrees with the truth
 constexpr double kNonocc = 25, kAllBad = 100.0 * 5 / 28, kDisc = 50;
 constexpr double kMean = (kNonocc + kAllBad + kDisc) / 3;
 
+// Rows of an algorithm: dense, filled and semi-dense; raw.
+constexpr std::size_t kWindowRows = 5 + 5 + 3, kSgmRows = 5 + 3, kPeerRows = 5 + 3, kRawRows = 4;
+
 /// Disparity of each scene. That of venus is beyond the 20 disparities of the benchmark.
 constexpr std::array<int, 4> kShifts{5, 22, 9, 30};
 
-/// pattern, configuration, measure -> tsukuba, venus, teddy, cones, average.
+/// algorithm, configuration, measure -> tsukuba, venus, teddy, cones, average.
 std::map<std::string, std::vector<double>> read_csv(const std::string& path) {
   std::istringstream file(bytes(path));
   std::string line;
   std::getline(file, line);
-  EXPECT_EQ(line, "pattern,configuration,measure,tsukuba,venus,teddy,cones,average");
+  EXPECT_EQ(line, "algorithm,configuration,measure,tsukuba,venus,teddy,cones,average");
   std::map<std::string, std::vector<double>> rows;
   while (std::getline(file, line)) {
     std::istringstream cells(line);
@@ -78,47 +82,55 @@ class Evaluate : public ProgramTest {
 
 TEST_F(Evaluate, KnownPercentages) {
   write_tree();
-  const Outcome run = evaluate(
-      {at("data"), "--csv", at("out.csv"), "--disparity_range", "64", "--pictures", at("a/b")});
+  const Outcome run = evaluate({at("data"), "--csv", at("out.csv"), "--disparity_range", "64",
+                                "--raw", "--pictures", at("a/b")});
   ASSERT_EQ(run.code, 0) << run.err;
   const auto rows = read_csv(at("out.csv"));
-  EXPECT_EQ(rows.size(), 20U);
-  for (const std::string pattern : {"sparse", "full"}) {
-    for (const std::string configuration : {" dense ", " filled "}) {
-      expect_row(rows, pattern + configuration + "nonocc", kNonocc, kNonocc);
-      expect_row(rows, pattern + configuration + "all", kAllBad, kAllBad);
-      expect_row(rows, pattern + configuration + "disc", kDisc, kDisc);
-      expect_row(rows, pattern + configuration + "mean", kMean, kMean);
+  EXPECT_EQ(rows.size(), 2U * kWindowRows + 2U * kSgmRows + 4U * kRawRows);
+  for (const std::string algorithm : {"window sparse", "window full", "sgm full", "sgm small"}) {
+    for (const std::string configuration : {" dense ", " raw ", " filled "}) {
+      if (algorithm.find("sgm") == 0 && configuration == " filled ") continue;
+      expect_row(rows, algorithm + configuration + "nonocc", kNonocc, kNonocc);
+      expect_row(rows, algorithm + configuration + "all", kAllBad, kAllBad);
+      expect_row(rows, algorithm + configuration + "disc", kDisc, kDisc);
+      expect_row(rows, algorithm + configuration + "mean", kMean, kMean);
     }
-    expect_row(rows, pattern + " semi-dense nonocc", kNonocc, kNonocc);
-    expect_row(rows, pattern + " semi-dense coverage", 100, 100);
+    expect_row(rows, algorithm + " semi-dense nonocc", kNonocc, kNonocc);
+    expect_row(rows, algorithm + " semi-dense coverage", 100, 100);
+    for (const std::string configuration : {" dense ", " semi-dense "}) {
+      const std::vector<double>& rms = rows.at(algorithm + configuration + "rms");
+      for (const double value : rms) EXPECT_LT(value, 0.2) << algorithm << configuration;
+      // Without tsukuba.
+      EXPECT_NEAR(rms[4], (rms[1] + rms[2] + rms[3]) / 3, 1e-4);
+    }
   }
   // The table has a title, a header and all rows; its lines have equal width.
   std::istringstream table(run.out);
   std::string line;
   std::vector<std::size_t> widths;
   while (std::getline(table, line)) widths.push_back(line.size());
-  ASSERT_EQ(widths.size(), 22U) << run.out;
+  ASSERT_EQ(widths.size(), rows.size() + 2) << run.out;
   for (std::size_t i = 2; i < widths.size(); ++i) EXPECT_EQ(widths[i], widths[1]) << run.out;
   EXPECT_NE(run.out.find("30.95"), std::string::npos) << run.out;  // kMean
 
-  const cv::Mat errors = cv::imread(at("a/b/teddy_full_dense_errors.png"), cv::IMREAD_UNCHANGED);
+  const cv::Mat errors =
+      cv::imread(at("a/b/teddy_window_full_raw_errors.png"), cv::IMREAD_UNCHANGED);
   cv::Mat1b expected(kSize, std::uint8_t{128});
   expected(kAllRect) = 0;
   expected(kWrongTruth) = 255;
   EXPECT_TRUE(equal(errors, expected));
-  EXPECT_EQ(cv::imread(at("a/b/venus_sparse_semi-dense_disparity.png")).size(), kSize);
+  EXPECT_EQ(cv::imread(at("a/b/venus_sgm_small_semi-dense_disparity.png")).size(), kSize);
 }
 
 TEST_F(Evaluate, SearchesTheRangeOfTheBenchmark) {
   write_tree();
-  const Outcome run =
-      evaluate({at("data"), "--csv", at("out.csv"), "--census_pattern", "full", "--threads", "1"});
+  const Outcome run = evaluate({at("data"), "--csv", at("out.csv"), "--stereo_algorithm", "window",
+                                "--census_pattern", "full", "--raw", "--threads", "1"});
   ASSERT_EQ(run.code, 0) << run.err;
   const auto rows = read_csv(at("out.csv"));
-  EXPECT_EQ(rows.size(), 10U);  // a single pattern
-  expect_row(rows, "full dense nonocc", kNonocc, 100);
-  expect_row(rows, "full dense mean", kMean, 100);
+  EXPECT_EQ(rows.size(), 1U * kWindowRows + kRawRows);  // a single algorithm
+  expect_row(rows, "window full raw nonocc", kNonocc, 100);
+  expect_row(rows, "window full raw mean", kMean, 100);
 }
 
 // OpenCV finds the same disparities in the columns that it computes; the columns to their left are
@@ -126,26 +138,56 @@ TEST_F(Evaluate, SearchesTheRangeOfTheBenchmark) {
 TEST_F(Evaluate, OpencvMatchers) {
   write_tree();
   const Outcome run = evaluate({at("data"), "--csv", at("out.csv"), "--disparity_range", "32",
-                                "--census_pattern", "sparse", "--opencv"});
+                                "--stereo_algorithm", "window", "--opencv"});
   ASSERT_EQ(run.code, 0) << run.err;
   const auto rows = read_csv(at("out.csv"));
-  EXPECT_EQ(rows.size(), 10U + 2 * 4);
-  for (const std::string peer : {"StereoBM", "SGBM"}) {
+  EXPECT_EQ(rows.size(), 2U * kWindowRows + 4U * kPeerRows);
+  for (const std::string peer : {"StereoBM", "StereoSGBM", "StereoSGBM_3WAY", "StereoSGBM_HH"}) {
     expect_row(rows, peer + " filled nonocc", kNonocc, kNonocc);
     expect_row(rows, peer + " filled disc", kDisc, kDisc);
+    expect_row(rows, peer + " semi-dense nonocc", kNonocc, kNonocc);
+    EXPECT_GT(rows.at(peer + " semi-dense coverage")[0], 60) << peer;
+    for (const double rms : rows.at(peer + " semi-dense rms")) EXPECT_LT(rms, 0.2) << peer;
   }
 }
 
-TEST_F(Evaluate, ParametersReachTheDenseConfigurationToo) {
+TEST_F(Evaluate, ParametersReachEveryConfiguration) {
   write_tree();
-  ASSERT_EQ(evaluate({at("data"), "--csv", at("out.csv"), "--census_pattern", "sparse",
-                      "--min_disparity", "6", "--disparity_range", "32"})
+  ASSERT_EQ(evaluate({at("data"), "--csv", at("out.csv"), "--raw", "--min_disparity", "7",
+                      "--disparity_range", "32"})
                 .code,
             0);
   const auto rows = read_csv(at("out.csv"));
-  // 5 px, the disparity of tsukuba, is below the search range, which begins at 6 px.
-  EXPECT_NEAR(rows.at("sparse dense nonocc")[2], kNonocc, 1e-4);
-  EXPECT_GT(rows.at("sparse dense nonocc")[0], 80);
+  // 5 px, the disparity of tsukuba, is more than 1 px below the search range.
+  for (const std::string algorithm : {"window sparse", "sgm full"}) {
+    for (const std::string configuration : {" dense nonocc", " raw nonocc"}) {
+      EXPECT_NEAR(rows.at(algorithm + configuration)[2], kNonocc, 1e-4) << algorithm;
+      EXPECT_GT(rows.at(algorithm + configuration)[0], 75) << algorithm << configuration;
+    }
+  }
+}
+
+TEST_F(Evaluate, OptionsLeaveRowsOut) {
+  write_tree();
+  const auto names = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{at("data"), "--csv", at("out.csv"), "--disparity_range",
+                                       "32"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(evaluate(arguments).code, 0);
+    std::set<std::string> found;
+    for (const auto& [name, values] : read_csv(at("out.csv"))) {
+      found.insert(name.substr(0, name.rfind(' ')));
+    }
+    return found;
+  };
+  using Names = std::set<std::string>;
+  EXPECT_EQ(names({"--dense", "true"}), (Names{"window sparse dense", "window full dense",
+                                               "sgm full dense", "sgm small dense"}));
+  EXPECT_EQ(names({"--stereo_algorithm", "sgm", "--sgm_build", "small", "--dense", "false"}),
+            (Names{"sgm small semi-dense"}));
+  EXPECT_EQ(names({"--sgm_build", "full", "--census_pattern", "sparse"}),
+            (Names{"window sparse dense", "window sparse filled", "window sparse semi-dense",
+                   "sgm full dense", "sgm full semi-dense"}));
 }
 
 TEST_F(Evaluate, NamesMissingFiles) {
@@ -175,16 +217,24 @@ TEST_F(Evaluate, Usage) {
 TEST_F(Evaluate, RealImages) {
   const std::string folder = test_data("middlebury_v2");
   if (folder.empty()) GTEST_SKIP() << "the test images have no folder middlebury_v2";
-  const Outcome run = evaluate({folder, "--csv", at("out.csv"), "--opencv"});
+  const Outcome run = evaluate({folder, "--csv", at("out.csv"), "--raw", "--opencv"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(run.err.find("libpng"), std::string::npos) << run.err;
   const auto rows = read_csv(at("out.csv"));
-  EXPECT_LE(rows.at("sparse dense mean")[4], 14.8);
-  EXPECT_LE(rows.at("full dense mean")[4], 15.2);
-  EXPECT_LT(rows.at("sparse dense mean")[4], rows.at("StereoBM filled mean")[4]);
-  EXPECT_LT(rows.at("sparse filled mean")[4], rows.at("StereoBM filled mean")[4]);
-  EXPECT_LE(rows.at("sparse semi-dense nonocc")[4], 2.5);
-  EXPECT_GE(rows.at("sparse semi-dense coverage")[4], 80);
+  EXPECT_NEAR(rows.at("sgm full dense mean")[4], 6.31, 0.005);
+  EXPECT_NEAR(rows.at("sgm small dense mean")[4], 7.03, 0.005);
+  EXPECT_NEAR(rows.at("sgm full semi-dense nonocc")[4], 2.18, 0.005);
+  EXPECT_NEAR(rows.at("sgm full semi-dense coverage")[4], 94.05, 0.005);
+  const std::vector<double>& rms = rows.at("sgm full dense rms");
+  EXPECT_NEAR(rms[1], 0.144, 0.0005);
+  EXPECT_NEAR(rms[2], 0.228, 0.0005);
+  EXPECT_NEAR(rms[3], 0.192, 0.0005);
+  EXPECT_LE(rows.at("window sparse raw mean")[4], 14.8);
+  EXPECT_LE(rows.at("window full raw mean")[4], 15.2);
+  EXPECT_LE(rows.at("window sparse semi-dense nonocc")[4], 2.5);
+  EXPECT_GE(rows.at("window sparse semi-dense coverage")[4], 80);
+  EXPECT_LT(rows.at("window sparse filled mean")[4], rows.at("StereoBM filled mean")[4]);
+  EXPECT_LT(rows.at("sgm full dense mean")[4], rows.at("StereoSGBM_HH filled mean")[4]);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/stages.hpp"
+#include <cmath>
+
+#include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -13,7 +15,7 @@ constexpr std::uint16_t kNone = kNoDisparity;
 /// Returns a scene of one row with truth scale 4; all pixels are evaluated.
 MiddleburyPair row_of_truth(const cv::Mat1b& truth) {
   MiddleburyPair pair;
-  pair.scene = {"row", 4, 60};
+  pair.scene = {"row", 4, 60, false};
   pair.truth = truth;
   for (cv::Mat1b& mask : pair.masks) mask = cv::Mat1b(truth.size(), std::uint8_t{255});
   return pair;
@@ -44,6 +46,16 @@ TEST(Score, HolesAndMasks) {
   EXPECT_DOUBLE_EQ(s.coverage(), 50);
 }
 
+TEST(Score, RmsOfGoodPixels) {
+  // Errors of 0.75 px, -1 px, 0, then a bad pixel and a hole, which do not count.
+  const MiddleburyPair pair = row_of_truth((cv::Mat1b(1, 5) << 41, 40, 40, 40, 40));
+  const cv::Mat1w disparity = (cv::Mat1w(1, 5) << 352, 288, 320, 400, kNone);
+  const double rms = std::sqrt((0.75 * 0.75 + 1) / 3);
+  EXPECT_DOUBLE_EQ(score(pair, kNonOccluded, disparity, 0).rms_of_good(), rms);
+  const cv::Mat1w shifted = (cv::Mat1w(1, 5) << 288, 224, 256, 336, kNone);
+  EXPECT_DOUBLE_EQ(score(pair, kNonOccluded, shifted, 2).rms_of_good(), rms);
+}
+
 TEST(Score, NothingToEvaluate) {
   MiddleburyPair pair = row_of_truth((cv::Mat1b(1, 2) << 40, 40));
   pair.masks[kAll] = 0;
@@ -51,6 +63,7 @@ TEST(Score, NothingToEvaluate) {
   EXPECT_EQ(s.bad_of_all(), 0);
   EXPECT_EQ(s.bad_of_valid(), 0);
   EXPECT_EQ(s.coverage(), 0);
+  EXPECT_EQ(s.rms_of_good(), 0);
 }
 
 TEST(ErrorPicture, Colours) {
@@ -64,14 +77,6 @@ TEST(ErrorPicture, Colours) {
       same(error_picture(pair, kAll, disparity, 0, true), (cv::Mat1b(1, 4) << 0, 255, 255, 128)));
   EXPECT_TRUE(
       same(error_picture(pair, kAll, disparity, 0, false), (cv::Mat1b(1, 4) << 0, 255, 128, 128)));
-}
-
-TEST(FillHoles, TakesTheBackground) {
-  const cv::Mat1w disparity = (cv::Mat1w(2, 7) << kNone, 5, kNone, kNone, 3, 9, kNone,  //
-                               kNone, kNone, kNone, kNone, kNone, kNone, kNone);
-  const cv::Mat1w filled = (cv::Mat1w(2, 7) << 5, 5, 3, 3, 3, 9, 9,  //
-                            kNone, kNone, kNone, kNone, kNone, kNone, kNone);
-  EXPECT_EQ(cv::countNonZero(fill_holes(disparity) != filled), 0);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "make_bag/camera_info_files.hpp"
 #include "make_bag/modes.hpp"
 #include "make_bag/stereo_info.hpp"
+#include "support/chessboard.hpp"
 #include "support/files.hpp"
 
 namespace fpga_stereo::tools {
@@ -18,7 +19,6 @@ namespace {
 
 namespace po = boost::program_options;
 using Strings = std::vector<std::string>;
-using Corners = std::vector<cv::Point2f>;
 
 constexpr std::size_t kMinPairs = 3;
 
@@ -49,15 +49,6 @@ CommandLine command_line() {
   return line;
 }
 
-cv::Size board_size(const std::string& text) {
-  std::smatch match;
-  if (std::regex_match(text, match, std::regex("([0-9]{1,3})x([0-9]{1,3})"))) {
-    const cv::Size board(std::stoi(match[1]), std::stoi(match[2]));
-    if (board.width >= 3 && board.height >= 3) return board;
-  }
-  throw UsageError(fmt::format("--board = \"{}\": allowed is COLUMNSxROWS, each 3 to 999", text));
-}
-
 void require_yaml(const std::string& option, const std::string& path) {
   if (std::regex_search(path, std::regex("\\.(yaml|yml)$"))) return;
   throw UsageError(fmt::format("{} \"{}\": allowed are .yaml and .yml files", option, path));
@@ -68,21 +59,6 @@ struct Views {
   cv::Size size;  // of the images
   std::vector<Corners> left, right;
 };
-
-/// Returns the inner corners; empty if the image does not show the whole chessboard.
-Corners find_board(const cv::Mat1b& image, cv::Size board) {
-  Corners corners;
-  if (!cv::findChessboardCorners(image, board, corners)) return {};
-  // Search 11 x 11 px around a corner, or less if that would reach other corners.
-  double spacing = cv::norm(corners[1] - corners[0]);
-  for (std::size_t i = 2; i < corners.size(); ++i) {
-    spacing = std::min(spacing, cv::norm(corners[i] - corners[i - 1]));
-  }
-  const int radius = std::clamp(static_cast<int>(spacing / 2), 2, 5);
-  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
-  cv::cornerSubPix(image, corners, {radius, radius}, {-1, -1}, until);
-  return corners;
-}
 
 Views find_boards(const Strings& left, const Strings& right, cv::Size board) {
   Views views;
@@ -98,7 +74,7 @@ Views find_boards(const Strings& left, const Strings& right, cv::Size board) {
                                              image.rows, left[0], views.size.width,
                                              views.size.height));
       }
-      corners[side] = find_board(image, board);
+      corners[side] = find_corners(image, board);
       if (corners[side].empty()) {
         std::cerr << "make_bag: " << path << ": shows no chessboard with " << board.width << "x"
                   << board.height << " inner corners: the pair is skipped\n";

@@ -6,13 +6,9 @@
 #include <vector>
 
 #include "make_bag/stereo_info.hpp"
+#include "support/euroc.hpp"
 
 namespace fpga_stereo::tools {
-
-struct FramePaths {
-  std::int64_t stamp_ns = 0;
-  std::string left, right;  // image files
-};
 
 struct StereoSource {
   std::vector<FramePaths> frames;  // by ascending stamp, at least one
@@ -26,9 +22,7 @@ struct StereoSource {
 StereoSource pair_files(const std::vector<std::string>& left, const std::vector<std::string>& right,
                         double rate, double start);
 
-/// Reads a folder of the EuRoC MAV dataset (M. Burri et al., IJRR 35, 2016): cam0 and cam1, each
-/// with sensor.yaml and data/<time in ns>.png. Reports images without a partner on stderr and skips
-/// them. Throws std::runtime_error with the file that cannot be used.
+/// Reads a folder as read_euroc_folder() does.
 StereoSource read_euroc(const std::string& folder);
 
 }  // namespace fpga_stereo::tools

@@ -1,49 +1,27 @@
 #include "make_bag/stereo_info.hpp"
 
-#include <sensor_msgs/distortion_models.h>
-
-#include <algorithm>
-#include <opencv2/calib3d.hpp>
+#include "ros/conversions.hpp"
 
 namespace fpga_stereo::tools {
-namespace {
-
-constexpr std::size_t kPlumbBobCoefficients = 5;
-
-sensor_msgs::CameraInfo camera_info(cv::Size size, const Intrinsics& camera, const cv::Matx33d& R,
-                                    const cv::Matx34d& P) {
-  sensor_msgs::CameraInfo info;
-  info.width = static_cast<std::uint32_t>(size.width);
-  info.height = static_cast<std::uint32_t>(size.height);
-  info.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
-  info.D = camera.D;
-  info.D.resize(kPlumbBobCoefficients, 0.0);
-  std::copy_n(camera.K.val, info.K.size(), info.K.begin());
-  std::copy_n(R.val, info.R.size(), info.R.begin());
-  std::copy_n(P.val, info.P.size(), info.P.begin());
-  return info;
-}
-
-}  // namespace
-
 StereoInfo rectified_info(cv::Size size, double focal, double baseline) {
   const double cx = (size.width - 1) / 2.0;
   const double cy = (size.height - 1) / 2.0;
   const Intrinsics camera{{focal, 0, cx, 0, focal, cy, 0, 0, 1}, {}};
   cv::Matx34d P(focal, 0, cx, 0, 0, focal, cy, 0, 0, 0, 1, 0);
-  StereoInfo pair;
-  pair.left = camera_info(size, camera, cv::Matx33d::eye(), P);
+  StereoCalibration pair;
+  pair.left = make_calibration(size, camera, cv::Matx33d::eye(), P);
   P(0, 3) = -focal * baseline;
-  pair.right = camera_info(size, camera, cv::Matx33d::eye(), P);
-  return pair;
+  pair.right = make_calibration(size, camera, cv::Matx33d::eye(), P);
+  return to_info(pair);
+}
+
+StereoInfo to_info(const StereoCalibration& calibration) {
+  return {to_camera_info(calibration.left, {}), to_camera_info(calibration.right, {})};
 }
 
 StereoInfo calibrated_info(cv::Size size, const Intrinsics& left, const Intrinsics& right,
                            const cv::Matx33d& rotation, const cv::Vec3d& translation) {
-  cv::Mat R1, R2, P1, P2, Q;
-  cv::stereoRectify(left.K, left.D, right.K, right.D, size, rotation, translation, R1, R2, P1, P2,
-                    Q, cv::CALIB_ZERO_DISPARITY, 0, size);
-  return {camera_info(size, left, R1, P1), camera_info(size, right, R2, P2)};
+  return to_info(rectified_calibration(size, left, right, rotation, translation));
 }
 
 void resize(cv::Size size, sensor_msgs::CameraInfo& info) {

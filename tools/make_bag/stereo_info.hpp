@@ -4,7 +4,8 @@
 #include <sensor_msgs/CameraInfo.h>
 
 #include <opencv2/core.hpp>
-#include <vector>
+
+#include "support/stereo_calibration.hpp"
 
 namespace fpga_stereo::tools {
 
@@ -12,18 +13,14 @@ struct StereoInfo {
   sensor_msgs::CameraInfo left, right;
 };
 
-/// The parameters of one camera before rectification.
-struct Intrinsics {
-  cv::Matx33d K;          // px
-  std::vector<double> D;  // plumb_bob: k1 k2 t1 t2 [k3]
-};
+/// Returns the messages of a calibration, without header.
+StereoInfo to_info(const StereoCalibration& calibration);
 
 /// Returns the calibration of a pair that is rectified already: no distortion, principal point at
 /// the image centre. `focal` is in px, `baseline` in m.
 StereoInfo rectified_info(cv::Size size, double focal, double baseline);
 
-/// Rectifies with cv::stereoRectify (zero disparity at infinity, alpha 0: no black border).
-/// `rotation` and `translation` (m) transform points from the left to the right camera frame.
+/// Rectifies as rectified_calibration() does.
 StereoInfo calibrated_info(cv::Size size, const Intrinsics& left, const Intrinsics& right,
                            const cv::Matx33d& rotation, const cv::Vec3d& translation);
 

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/stages.hpp"
+#include "fpga_stereo/core/spec.hpp"
 #include "support/files.hpp"
 #include "support/program.hpp"
 
@@ -15,10 +15,19 @@ namespace {
 
 constexpr int kEvaluated = 255;
 
-/// Returns whether the error is above 1.0 px, computed in exact integers.
-bool is_bad(std::uint16_t disparity, int min_disparity, std::uint8_t truth, int truth_scale) {
+/// The error of a pixel, in exact integers.
+struct PixelError {
+  int units;  // signed
+  int scale;  // units per px
+
+  bool is_bad() const { return std::abs(units) > scale; }
+  double px() const { return static_cast<double>(units) / scale; }
+};
+
+PixelError pixel_error(std::uint16_t disparity, int min_disparity, std::uint8_t truth,
+                       int truth_scale) {
   const int units = disparity + kDisparityScale * min_disparity;
-  return std::abs(units * truth_scale - kDisparityScale * truth) > kDisparityScale * truth_scale;
+  return {units * truth_scale - kDisparityScale * truth, kDisparityScale * truth_scale};
 }
 
 double percent(std::int64_t part, std::int64_t whole) {
@@ -62,6 +71,10 @@ MiddleburyPair read_pair(const std::string& folder, const MiddleburyScene& scene
 double Score::bad_of_all() const { return percent(bad + evaluated - valid, evaluated); }
 double Score::bad_of_valid() const { return percent(bad, valid); }
 double Score::coverage() const { return percent(valid, evaluated); }
+double Score::rms_of_good() const {
+  const std::int64_t good = valid - bad;
+  return good == 0 ? 0 : std::sqrt(squares / static_cast<double>(good));
+}
 
 Score score(const MiddleburyPair& pair, Region region, const cv::Mat1w& disparity,
             int min_disparity) {
@@ -73,7 +86,13 @@ Score score(const MiddleburyPair& pair, Region region, const cv::Mat1w& disparit
       ++score.evaluated;
       if (disparity(y, x) == kNoDisparity) continue;
       ++score.valid;
-      score.bad += is_bad(disparity(y, x), min_disparity, pair.truth(y, x), pair.scene.truth_scale);
+      const PixelError error =
+          pixel_error(disparity(y, x), min_disparity, pair.truth(y, x), pair.scene.truth_scale);
+      if (error.is_bad()) {
+        ++score.bad;
+      } else {
+        score.squares += error.px() * error.px();
+      }
     }
   }
   return score;
@@ -89,30 +108,12 @@ cv::Mat1b error_picture(const MiddleburyPair& pair, Region region, const cv::Mat
       const std::uint16_t d = disparity(y, x);
       const bool hole = d == kNoDisparity;
       if (mask(y, x) != kEvaluated || (hole && !holes_count)) continue;
-      const bool bad = hole || is_bad(d, min_disparity, pair.truth(y, x), pair.scene.truth_scale);
+      const bool bad =
+          hole || pixel_error(d, min_disparity, pair.truth(y, x), pair.scene.truth_scale).is_bad();
       picture(y, x) = bad ? kBad : kCorrect;
     }
   }
   return picture;
-}
-
-cv::Mat1w fill_holes(const cv::Mat1w& disparity) {
-  cv::Mat1w filled = disparity.clone();
-  for (int y = 0; y < filled.rows; ++y) {
-    // kNoDisparity is the largest value, so min() prefers a disparity.
-    static_assert(kNoDisparity == 0xFFFF);
-    std::uint16_t nearest = kNoDisparity;
-    for (int x = 0; x < filled.cols; ++x) {
-      if (disparity(y, x) != kNoDisparity) nearest = disparity(y, x);
-      filled(y, x) = nearest;
-    }
-    nearest = kNoDisparity;
-    for (int x = filled.cols - 1; x >= 0; --x) {
-      if (disparity(y, x) != kNoDisparity) nearest = disparity(y, x);
-      filled(y, x) = std::min(filled(y, x), nearest);
-    }
-  }
-  return filled;
 }
 
 }  // namespace fpga_stereo::tools

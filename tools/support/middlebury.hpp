@@ -11,11 +11,14 @@ namespace fpga_stereo::tools {
 
 struct MiddleburyScene {
   const char* name;
-  int truth_scale;      // units of the ground truth per px
-  int disparity_range;  // search range of the benchmark
+  int truth_scale;       // units of the ground truth per px
+  int disparity_range;   // search range of the benchmark
+  bool has_whole_truth;  // the ground truth is whole pixels
 };
-constexpr std::array<MiddleburyScene, 4> kMiddleburyScenes{
-    {{"tsukuba", 16, 16}, {"venus", 8, 20}, {"teddy", 4, 60}, {"cones", 4, 60}}};
+constexpr std::array<MiddleburyScene, 4> kMiddleburyScenes{{{"tsukuba", 16, 16, true},
+                                                            {"venus", 8, 20, false},
+                                                            {"teddy", 4, 60, false},
+                                                            {"cones", 4, 60, false}}};
 
 /// Evaluated pixels: those seen by both cameras, all with known truth, those near a depth edge.
 enum Region { kNonOccluded, kAll, kDiscontinuities };
@@ -35,7 +38,8 @@ MiddleburyPair read_pair(const std::string& folder, const MiddleburyScene& scene
 struct Score {
   std::int64_t evaluated = 0;  // pixels of the region
   std::int64_t valid = 0;      // evaluated pixels with a disparity
-  std::int64_t bad = 0;        // valid pixels with an error above 1.0 px
+  std::int64_t bad = 0;        // valid pixels with an error above 1.0 px; the others are good
+  double squares = 0;          // sum of the squared errors of good pixels, px^2
 
   /// Returns the percentage of evaluated pixels that are bad or have no disparity.
   double bad_of_all() const;
@@ -43,6 +47,8 @@ struct Score {
   double bad_of_valid() const;
   /// Returns the percentage of evaluated pixels that have a disparity.
   double coverage() const;
+  /// Returns the RMS error of good pixels, px; 0 if no pixel is good.
+  double rms_of_good() const;
 };
 
 /// Compares a disparity image (1/32 px, `min_disparity` not added) with the ground truth.
@@ -53,10 +59,5 @@ Score score(const MiddleburyPair& pair, Region region, const cv::Mat1w& disparit
 /// disparity is white if `holes_count`, else grey.
 cv::Mat1b error_picture(const MiddleburyPair& pair, Region region, const cv::Mat1w& disparity,
                         int min_disparity, bool holes_count);
-
-/// Gives each pixel without a disparity the smaller of the nearest disparities to its left and
-/// right in the row, because occluded pixels belong to the background. A row without disparities is
-/// unchanged.
-cv::Mat1w fill_holes(const cv::Mat1w& disparity);
 
 }  // namespace fpga_stereo::tools
