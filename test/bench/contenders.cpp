@@ -1,5 +1,6 @@
 #include "bench/contenders.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -68,19 +69,31 @@ Contender make_opencv(const std::string& name, const Scene& scene, int dispariti
     cv::Ptr<cv::StereoMatcher> matcher;
     cv::Mat disparity;
   };
-  const tools::OpencvMatcher kind = name == "opencv/StereoBM"     ? tools::OpencvMatcher::kBm
-                                    : name == "opencv/StereoSGBM" ? tools::OpencvMatcher::kSgbm
-                                                                  : tools::OpencvMatcher::kSgbm3Way;
-  const auto state = std::make_shared<State>(State{Remap(scene.left_camera),
-                                                   Remap(scene.right_camera),
-                                                   tools::make_opencv_matcher(kind, disparities),
-                                                   {}});
+  const auto matcher =
+      std::find_if(tools::kOpencvMatchers.begin(), tools::kOpencvMatchers.end(),
+                   [&](tools::OpencvMatcher each) { return name == tools::to_text(each); });
+  if (matcher == tools::kOpencvMatchers.end()) throw std::runtime_error(name + ": unknown");
+  const auto state =
+      std::make_shared<State>(State{Remap(scene.left_camera),
+                                    Remap(scene.right_camera),
+                                    tools::make_opencv_matcher(*matcher, disparities),
+                                    {}});
   return [state, &scene](StageTimes&) {
     state->matcher->compute(state->left(scene.left), state->right(scene.right), state->disparity);
   };
 }
 
-Contender make_ours(const std::string& pattern, const Scene& scene, int disparities, int threads) {
+/// Returns the parameters of sgm, sgm_small, sgm_dense, sparse, full or sparse_scalar.
+Parameters parameters_of(const std::string& name) {
+  const bool is_sgm = name.rfind("sgm", 0) == 0;
+  Parameters p = is_sgm ? Parameters() : window_parameters();
+  if (name == "sgm_small") p.sgm_build = SgmBuild::kSmall;
+  p.dense = name == "sgm_dense";
+  if (name == "full") p.census_pattern = CensusPattern::kFull;
+  return p;
+}
+
+Contender make_ours(const std::string& name, const Scene& scene, int disparities, int threads) {
   struct State {
     Pipeline pipeline;
     StereoRectification rectification;
@@ -90,9 +103,9 @@ Contender make_ours(const std::string& pattern, const Scene& scene, int disparit
   if (!rectification) throw std::runtime_error(rectification.error().message);
   const auto state = std::make_shared<State>();
   state->rectification = *rectification;
+  state->parameters = parameters_of(name);
   state->parameters.disparity_range = disparities;
-  if (pattern == "full") state->parameters.census_pattern = CensusPattern::kFull;
-  return [state, &scene, threads, scalar = pattern == "sparse_scalar"](StageTimes& ms) {
+  return [state, &scene, threads, scalar = name == "sparse_scalar"](StageTimes& ms) {
     const std::string before = target();
     if (scalar) (void)choose_target(kScalarTarget);
     ms = state->pipeline
@@ -125,17 +138,24 @@ Scene make_scene(cv::Size size) {
 }
 
 const std::vector<std::string>& contender_names() {
-  static const std::vector<std::string> names{
-      "fpga_stereo/sparse", "fpga_stereo/full",  "fpga_stereo/sparse_scalar",
-      "opencv/StereoBM",    "opencv/StereoSGBM", "opencv/StereoSGBM_3WAY"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{"fpga_stereo/sgm",       "fpga_stereo/sgm_small",
+                                 "fpga_stereo/sgm_dense", "fpga_stereo/sparse",
+                                 "fpga_stereo/full",      "fpga_stereo/sparse_scalar"};
+    for (const tools::OpencvMatcher matcher : tools::kOpencvMatchers) {
+      all.push_back(std::string("opencv/") + tools::to_text(matcher));
+    }
+    return all;
+  }();
   return names;
 }
 
 Contender make_contender(const std::string& name, const Scene& scene, int disparities,
                          int threads) {
   const std::size_t slash = name.find('/');
-  if (name.substr(0, slash) == "opencv") return make_opencv(name, scene, disparities);
-  return make_ours(name.substr(slash + 1), scene, disparities, threads);
+  const std::string what = name.substr(slash + 1);
+  if (name.substr(0, slash) == "opencv") return make_opencv(what, scene, disparities);
+  return make_ours(what, scene, disparities, threads);
 }
 
 }  // namespace fpga_stereo::bench

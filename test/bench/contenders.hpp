@@ -23,8 +23,9 @@ Scene make_scene(cv::Size size);
 /// Computes the disparity image of the scene once. Sets `ms` if the contender measures stages.
 using Contender = std::function<void(StageTimes& ms)>;
 
-/// Returns the names: fpga_stereo/sparse, fpga_stereo/full, fpga_stereo/sparse_scalar,
-/// opencv/StereoBM, opencv/StereoSGBM, opencv/StereoSGBM_3WAY.
+/// Returns the names: fpga_stereo/sgm, sgm_small, sgm_dense, and with window matching
+/// fpga_stereo/sparse, full, sparse_scalar; opencv/StereoBM, StereoSGBM, StereoSGBM_3WAY,
+/// StereoSGBM_HH.
 const std::vector<std::string>& contender_names();
 Contender make_contender(const std::string& name, const Scene& scene, int disparities, int threads);
 

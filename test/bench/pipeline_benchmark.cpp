@@ -60,7 +60,9 @@ void measure(benchmark::State& state, const std::string& name, const Size& size,
   state.counters["MDE/s/core"] =
       benchmark::Counter(evaluations * frames / threads, benchmark::Counter::kIsRate);
   state.counters["real_scene"] = scene.is_real ? 1 : 0;
-  for (std::size_t i = 0; sum[0] > 0 && i < sum.size(); ++i) {
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    const bool ran = sum[i] > 0;
+    if (!ran) continue;
     state.counters[std::string("ms_") + kStageNames[i]] = sum[i] / frames;
   }
 }
@@ -83,7 +85,9 @@ void add_all() {
   for (const Size& size : kSizes) {
     for (const std::string& name : contender_names()) add(name, size);
   }
-  for (const Size& size : kMoreSizes) add("fpga_stereo/sparse", size);
+  for (const Size& size : kMoreSizes) {
+    for (const char* name : {"fpga_stereo/sgm", "fpga_stereo/sparse"}) add(name, size);
+  }
 }
 
 }  // namespace
