@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/simd/match.cpp"
@@ -27,7 +26,7 @@ void window_sums(const std::int16_t* columns, int radius, const WindowSums& bloc
     const std::uint16_t* entering =
         first + static_cast<std::ptrdiff_t>(sums.begin + radius) * sums.lanes + i;
     std::uint16_t* out = sums.column(sums.begin) + i;
-    std::array<hn::Vec<D16>, kParts> sum;
+    hn::Vec<D16> sum[kParts];
     for (std::size_t k = 0; k < kParts; ++k) sum[k] = hn::LoadU(d, previous + k * lanes);
     for (int x = sums.begin; x < sums.end; ++x, entering += sums.lanes, out += sums.pitch) {
       for (std::size_t k = 0; k < kParts; ++k) {

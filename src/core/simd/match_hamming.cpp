@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/simd/match_hamming.cpp"
@@ -25,7 +24,10 @@ constexpr bool kHasPopulationCount = false;
 /// kParts vectors that share what is loaded for all of them.
 template <class D, std::size_t kParts>
 struct Wide {
-  std::array<hn::Vec<D>, kParts> parts;
+  hn::Vec<D> parts[kParts];
+
+  // GCC compiles an implicit constructor without the instructions of the target.
+  HWY_INLINE Wide() {}  // NOLINT(modernize-use-equals-default)
 };
 template <class D, std::size_t kParts, class Operation>
 HWY_INLINE Wide<D, kParts> each(const Wide<D, kParts>& a, const Wide<D, kParts>& b,
@@ -60,7 +62,7 @@ HWY_INLINE Wide<D, kParts> population(const Wide<D, kParts>& a) {
 template <class V, class Vectors>
 struct Adders {
   const Vectors& vector;
-  std::array<V, 4> sums;  // bits of weight 1, 2, 4, 8
+  V sums[4];  // bits of weight 1, 2, 4, 8
 
   /// Adds the 2^kLevel vectors from kFirst on. Returns the carry, which has weight 2^kLevel.
   template <int kLevel, std::size_t kFirst>

@@ -57,7 +57,7 @@ HWY_INLINE V16 pair(V16 a, V16 b) {
 
 /// Returns a block whose lane k is the extreme of all lanes of pixels[k].
 template <class Extreme>
-HWY_INLINE VBlock extreme(const std::array<V16, kPixels>& pixels) {
+HWY_INLINE VBlock extreme(const V16 (&pixels)[kPixels]) {
   const auto& p = pixels;
   const V16 even = pair<Extreme>(pair<Extreme>(p[0], p[4]), pair<Extreme>(p[2], p[6]));
   const V16 odd = pair<Extreme>(pair<Extreme>(p[1], p[5]), pair<Extreme>(p[3], p[7]));
@@ -66,8 +66,7 @@ HWY_INLINE VBlock extreme(const std::array<V16, kPixels>& pixels) {
 
 /// Transposes and stores the sums of each winner's neighbours. pixels[k] has those of pixel x + k,
 /// from disparity dL + 2 down.
-HWY_INLINE void store_around(const std::array<VBlock, kPixels>& pixels, const SelectionRow& out,
-                             int x) {
+HWY_INLINE void store_around(const VBlock (&pixels)[kPixels], const SelectionRow& out, int x) {
   const Block d;
   // Interleaving pixels that are 4, 2 and 1 apart brings the sums of each neighbour together.
   const auto low = [&](VBlock a, VBlock b) { return hn::InterleaveLower(d, a, b); };
@@ -113,7 +112,7 @@ struct SelectLeft {
 
   HWY_INLINE void winner_sums(int x) const {
     const D16 d;
-    std::array<V16, kPixels> pixels;
+    V16 pixels[kPixels];
     const std::uint16_t* s = sums.column(x);
     for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
       pixels[k] = hn::LoadU(d, s);
@@ -129,7 +128,7 @@ struct SelectLeft {
     const D16 d;
     const Block block;
     const hn::Rebind<std::uint8_t, Block> bytes;
-    std::array<V16, kPixels> pixels;
+    V16 pixels[kPixels];
     const std::uint16_t* s = sums.column(x);
     for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
       const auto sum = hn::Set(d, out.winner_sum[x + static_cast<int>(k)]);
@@ -149,8 +148,8 @@ struct SelectLeft {
 
   HWY_INLINE void runners_up(int x) const {
     const D16 d;
-    std::array<V16, kPixels> pixels;
-    std::array<VBlock, kPixels> around;
+    V16 pixels[kPixels];
+    VBlock around[kPixels];
     const std::uint16_t* end = &ends[static_cast<std::size_t>(x) % ends.size()];
     const std::uint16_t* s = sums.column(x);
     for (std::size_t k = 0; k < kPixels; ++k, s += sums.pitch) {
@@ -195,11 +194,11 @@ constexpr std::size_t kParts = kLaneGroup / hn::MaxLanes(D16());
 
 /// The smallest sums of kLaneGroup right pixels so far, and the left pixels that have them.
 struct RightMinimum {
-  std::array<V16, kParts> sum, partner;
+  V16 sum[kParts], partner[kParts];
 
-  RightMinimum() {
-    sum.fill(hn::Set(D16(), kMaxSum));
-    partner.fill(hn::Zero(D16()));
+  HWY_INLINE RightMinimum() {
+    for (V16& s : sum) s = hn::Set(D16(), kMaxSum);
+    for (V16& p : partner) p = hn::Zero(D16());
   }
   /// Considers the sums of left pixel `number`.
   HWY_INLINE void add(const std::uint16_t* sums, V16 number) {
