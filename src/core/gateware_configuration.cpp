@@ -12,9 +12,11 @@ namespace {
 /// Refuses the first parameter that has another value than the one that the gateware is built for.
 Status check_parameters(const GatewareBuild& build, const Parameters& parameters) {
   const Parameters built = parameters_of(build);
+  const bool is_sgm = parameters.stereo_algorithm == StereoAlgorithm::kSgm;
   for (const ParameterInfo& info : parameter_table()) {
     const std::string wanted = to_text(parameters, info), have = to_text(built, info);
     if (!info.is_fixed_by_build || wanted == have) continue;
+    if (info.name == "sgm_build" && !is_sgm) continue;  // it has no effect
     return Error{ErrorKind::kInvalid, fmt::format("{} = {}: this gateware is built for {} only",
                                                   info.name, wanted, have)};
   }

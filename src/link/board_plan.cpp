@@ -25,8 +25,9 @@ void BoardPlan::set_identity(const std::optional<Identity>& identity) {
   update_configuration();
 }
 
-void BoardPlan::set_parameters(const Parameters& parameters) {
-  parameters_ = parameters;
+void BoardPlan::set_parameters(const Parameters& parameters, bool is_algorithm_chosen) {
+  requested_ = parameters;
+  is_algorithm_chosen_ = is_algorithm_chosen;
   update_configuration();
 }
 
@@ -65,6 +66,10 @@ std::shared_ptr<const PlannedConfiguration> BoardPlan::configuration(std::uint64
 }
 
 void BoardPlan::update_configuration() {
+  parameters_ = requested_;
+  if (identity_ && !is_algorithm_chosen_) {
+    parameters_.stereo_algorithm = parameters_of(identity_->build).stereo_algorithm;
+  }
   if (!identity_) {
     ability_ = BoardAbility::kNoBoard;
     limitation_ = "no board is connected";

@@ -182,10 +182,54 @@ TEST(BoardPlan, RequestsRawImagesIfTheBuildCannotMakeTheDisparity) {
   ASSERT_TRUE(planned);
   EXPECT_FALSE(planned->rectification);
   ASSERT_TRUE(p.plan.desired_state().configuration) << "its cameras still send";
-  p.plan.set_parameters({});
+  p.plan.set_parameters(window_parameters());
   EXPECT_EQ(p.plan.limitation(), "");
   EXPECT_EQ(p.plan.desired_state().streams, kDisparity);
   EXPECT_TRUE(p.plan.configuration(p.plan.desired_state().tag)->rectification);
+}
+
+TEST(BoardPlan, TheBuildDecidesAboutAnAlgorithmThatIsNotChosen) {
+  Planned p;
+  p.plan.set_parameters({}, false /* is_algorithm_chosen */);
+  EXPECT_EQ(p.plan.limitation(), "");
+  EXPECT_EQ(p.plan.parameters().stereo_algorithm, StereoAlgorithm::kWindow);
+  EXPECT_EQ(p.plan.configuration(p.plan.desired_state().tag)->parameters.stereo_algorithm,
+            StereoAlgorithm::kWindow);
+
+  Parameters small;  // without effect on window matching
+  small.sgm_build = SgmBuild::kSmall;
+  p.plan.set_parameters(small, false);
+  EXPECT_EQ(p.plan.limitation(), "");
+
+  p.plan.set_identity(std::nullopt);
+  EXPECT_EQ(p.plan.parameters().stereo_algorithm, StereoAlgorithm::kSgm) << "no board decides";
+  p.plan.set_identity(identity());
+  EXPECT_EQ(p.plan.parameters().stereo_algorithm, StereoAlgorithm::kWindow);
+
+  Parameters wide;
+  wide.disparity_range = 128;
+  p.plan.set_parameters(wide, false);
+  EXPECT_EQ(p.plan.limitation(), "disparity_range = 128: this gateware is built for 64 only");
+  EXPECT_EQ(p.plan.parameters().stereo_algorithm, StereoAlgorithm::kWindow)
+      << "the software computes the board's pairs as the board would";
+}
+
+TEST(BoardPlan, AChosenAlgorithmOrDenseCanMakeABoardUnsuitable) {
+  Planned p;
+  p.plan.set_parameters({}, true /* is_algorithm_chosen */);
+  EXPECT_EQ(p.plan.ability(), BoardAbility::kSendsRawImages);
+  EXPECT_EQ(p.plan.limitation(), "stereo_algorithm = sgm: this gateware is built for window only");
+  EXPECT_EQ(p.plan.parameters().stereo_algorithm, StereoAlgorithm::kSgm);
+  EXPECT_EQ(p.streams(demand(true)), kRawStreams) << "the software computes the disparity";
+  p.plan.set_parameters(window_parameters(), true);
+  EXPECT_EQ(p.plan.limitation(), "");
+
+  Parameters dense;
+  dense.dense = true;
+  p.plan.set_parameters(dense, false);
+  EXPECT_EQ(p.plan.limitation(), "dense = true: this gateware is built for false only");
+  EXPECT_EQ(p.plan.parameters().stereo_algorithm, StereoAlgorithm::kWindow);
+  EXPECT_TRUE(p.plan.parameters().dense);
 }
 
 TEST(BoardPlan, HasNoConfigurationForImagesTooLargeForTheBuild) {

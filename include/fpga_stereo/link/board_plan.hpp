@@ -68,7 +68,9 @@ class BoardPlan {
 
   /// Sets the connected board, or nullopt when it has gone.
   void set_identity(const std::optional<Identity>& identity);
-  void set_parameters(const Parameters& parameters);
+  /// Sets the parameters. Unless `is_algorithm_chosen`, stereo_algorithm is only a default: while a
+  /// board is connected, its build decides.
+  void set_parameters(const Parameters& parameters, bool is_algorithm_chosen = true);
   void set_calibration(const StereoCalibration& calibration);
   /// Sets the calibration of the board's own cameras if it differs from the present one; returns
   /// whether it does. Refuses a calibration that cannot be rectified while the present one can:
@@ -81,6 +83,8 @@ class BoardPlan {
   bool makes_disparity() const { return ability_ == BoardAbility::kMakesDisparity; }
   /// Says, for people, why the board does not make the disparity. Empty if it does.
   const std::string& limitation() const { return limitation_; }
+  /// The parameters for the board's pairs, whether the board or the software computes them.
+  const Parameters& parameters() const { return parameters_; }
   const StereoCalibration& calibration() const { return calibration_; }
   /// What to pass to Device::set_desired_state(). Meaningful while has_board().
   const DesiredState& desired_state() const { return desired_; }
@@ -103,7 +107,9 @@ class BoardPlan {
 
   const Options options_;
   std::optional<Identity> identity_;
-  Parameters parameters_;
+  Parameters requested_;  // as set
+  bool is_algorithm_chosen_ = false;
+  Parameters parameters_;          // requested_, or with the algorithm of the build
   StereoCalibration calibration_;  // of the cameras, or of the host's last pair
   BoardDemand demand_;
   RectificationCache rectifications_;
