@@ -119,11 +119,13 @@ def yaml_lines(parameter):
         value = repr(float(value))
     limits = ""
     if parameter["type"] in ("int", "double"):
-        limits = f"{parameter['unit']}, {number(parameter['min'])}..{number(parameter['max'])}"
+        limits = f"{parameter['unit']}, " if parameter["unit"] else ""
+        limits += f"{number(parameter['min'])}..{number(parameter['max'])}"
         limits += f" in steps of {parameter['step']}: " if parameter["step"] > 1 else ": "
     elif parameter["choices"]:
         limits = " | ".join(choice["name"] for choice in parameter["choices"]) + ": "
-    start = f"{parameter['name']}: {value}".ljust(COLUMN)
+    mark = "# " if parameter.get("unset") else ""
+    start = f"{mark}{parameter['name']}: {value}".ljust(COLUMN)
     further = " " * COLUMN + "#   "
     yield wrapped(limits + parameter["about"], start + "# ", further)
     for line in parameter["note"]:

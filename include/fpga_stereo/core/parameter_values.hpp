@@ -8,7 +8,7 @@
 
 namespace fpga_stereo {
 
-/// How matching costs are aggregated.
+/// Algorithm that finds the disparities.
 enum class StereoAlgorithm {
   kWindow,  // window matching, as in the paper
   kSgm,     // semi-global matching: sharp edges, few gaps
@@ -16,7 +16,7 @@ enum class StereoAlgorithm {
 /// Returns the value's name: window or sgm.
 std::string to_text(StereoAlgorithm value);
 
-/// Paths of semi-global matching.
+/// Paths along which semi-global matching adds costs; full has fewer errors.
 enum class SgmBuild {
   kFull,   // paths from the left, from the right and from above
   kSmall,  // paths from the left and from above: less gateware, more errors
@@ -38,11 +38,11 @@ struct Parameters {
   int min_disparity = 0;
   /// Number of disparities searched; time grows with it (px, 8 to 256 in steps of 4).
   int disparity_range = 64;
-  /// How matching costs are aggregated.
+  /// Algorithm that finds the disparities.
   StereoAlgorithm stereo_algorithm = StereoAlgorithm::kSgm;
-  /// Paths of semi-global matching.
+  /// Paths along which semi-global matching adds costs; full has fewer errors.
   SgmBuild sgm_build = SgmBuild::kFull;
-  /// Give every pixel a disparity: fill the gaps, then smooth; the uniqueness check is off.
+  /// Give every pixel a disparity: fill the gaps and smooth; turns the uniqueness check off.
   bool dense = false;
   /// Side of the census window (px, 5 to 11 in steps of 2).
   int census_window_size = 11;
@@ -50,27 +50,28 @@ struct Parameters {
   CensusPattern census_pattern = CensusPattern::kSparse;
   /// Side of the window for sums: large is smooth, small is detailed (px, 5 to 21 in steps of 2).
   int correlation_window_size = 15;
-  /// Largest difference of grey values that counts; 0: the census bits alone decide (no unit, 0 to
+  /// Limit of the grey difference in the cost of a pixel; 0: only census bits count (no unit, 0 to
   /// 31).
   int cost_difference_limit = 8;
-  /// Shift of the difference: each step halves its weight against a census bit (bit, 0 to 4).
+  /// Each step halves the weight of the grey difference against that of a census bit (bit, 0 to 4).
   int cost_difference_shift = 2;
-  /// Pixel cost where the right image ends (no unit, 0 to 31).
+  /// Cost of a pixel whose counterpart would lie outside the right image (no unit, 0 to 31).
   int cost_outside = 6;
-  /// Shift that reduces the sum of pixel costs to the matching cost (bit, 0 to 6).
+  /// Each step halves the matching cost against the penalties (bit, 0 to 6).
   int cost_shift = 2;
-  /// Penalty where the disparity changes by 1 px; P1 of stereo_image_proc has another scale (no
+  /// Penalty for a disparity step of 1 px between neighbours; not the P1 of stereo_image_proc (no
   /// unit, 0 to 15).
   int sgm_p1 = 5;
-  /// Penalty where it changes by more, between pixels of similar grey (no unit, 6 to 15).
+  /// Penalty for a larger step between pixels of similar grey (no unit, 6 to 15).
   int sgm_p2 = 15;
-  /// The same at an edge (no unit, 6 to 15).
+  /// Penalty for a larger step at an edge of the image (no unit, 6 to 15).
   int sgm_p2_edge = 10;
-  /// The same at a strong edge (no unit, 6 to 15).
+  /// Penalty for a larger step at a strong edge (no unit, 6 to 15).
   int sgm_p2_strong_edge = 7;
-  /// Difference of smoothed grey values from which a pair of pixels is an edge (no unit, 0 to 255).
+  /// Grey difference of neighbours, in the smoothed image, from which there is an edge (no unit, 0
+  /// to 255).
   int sgm_edge = 6;
-  /// Difference from which it is a strong edge (no unit, 0 to 255).
+  /// Grey difference from which the edge is strong (no unit, 0 to 255).
   int sgm_strong_edge = 14;
   /// Drop pixels where the search from the right image disagrees.
   bool left_right_check = true;
@@ -86,8 +87,8 @@ struct Parameters {
   int speckle_size = 60;
   /// Largest disparity step between neighbours of one region (px, 0 to 31).
   int speckle_range = 1;
-  /// Largest difference of grey values between a pixel and those that its median includes (no unit,
-  /// 0 to 255).
+  /// The median of a pixel includes those whose grey value differs by no more than this (no unit, 0
+  /// to 255).
   int median_difference = 6;
 };
 
