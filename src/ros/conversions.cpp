@@ -48,12 +48,19 @@ sensor_msgs::PointField field(const std::string& name, int offset) {
 
 /// Returns the window of possible disparities, with the bounds of image_pipeline (disparity.cpp of
 /// noetic). That computes them before it knows the size of the image; this function uses the size.
+/// Only window matching has a border of half a window. With `dense`, every pixel has a disparity.
 sensor_msgs::RegionOfInterest valid_window(cv::Size size, const Parameters& p) {
-  const int border = p.correlation_window_size / 2;
+  sensor_msgs::RegionOfInterest window;
+  if (p.dense) {
+    window.width = static_cast<std::uint32_t>(size.width);
+    window.height = static_cast<std::uint32_t>(size.height);
+    return window;
+  }
+  const bool has_border = p.stereo_algorithm == StereoAlgorithm::kWindow;
+  const int border = has_border ? p.correlation_window_size / 2 : 0;
   const int left = p.disparity_range + p.min_disparity + border - 1;
   const int right_margin =
       p.min_disparity >= 0 ? border + p.min_disparity : std::max(border, -p.min_disparity);
-  sensor_msgs::RegionOfInterest window;
   window.x_offset = static_cast<std::uint32_t>(std::clamp(left, 0, size.width));
   window.y_offset = static_cast<std::uint32_t>(std::min(border, size.height));
   window.width = static_cast<std::uint32_t>(std::max(0, size.width - 1 - right_margin - left));

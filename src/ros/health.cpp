@@ -93,10 +93,14 @@ StereoStatus Health::report(bool restart) {
     s.rectify_ms = stage(Stage::kRectify);
     s.census_ms = stage(Stage::kCensus);
     s.match_ms = stage(Stage::kMatch);
+    s.cost_ms = stage(Stage::kCost);
+    s.aggregate_ms = stage(Stage::kAggregate);
     s.select_ms = stage(Stage::kSelect);
     s.check_ms = stage(Stage::kCheck);
     s.subpixel_ms = stage(Stage::kSubpixel);
     s.speckle_ms = stage(Stage::kSpeckle);
+    s.fill_ms = stage(Stage::kFill);
+    s.median_ms = stage(Stage::kMedian);
     s.publish_ms = mean(publish_ms_);
   }
   if (!link_latency_ms_.empty()) {

@@ -111,7 +111,7 @@ TEST(Conversions, MessagePoolReusesAMessageThatNobodyHolds) {
 }
 
 TEST(Conversions, ValidWindowLiesInTheImage) {
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   const auto window = [&](cv::Size size) {
     return disparity_message(cv::Mat1w(size, kNone), geometry(size), parameters).valid_window;
   };
@@ -129,6 +129,27 @@ TEST(Conversions, ValidWindowLiesInTheImage) {
   w = window({640, 480});
   EXPECT_EQ(w.x_offset, 64U - 20 + 7 - 1);
   EXPECT_EQ(w.width, 640U - 1 - 20 - 50);
+
+  // Semi-global matching has no border, and a dense image no gaps.
+  parameters = {};
+  w = window({640, 480});
+  EXPECT_EQ(w.x_offset, 64U - 1);
+  EXPECT_EQ(w.y_offset, 0U);
+  EXPECT_EQ(w.width, 640U - 1 - 63);
+  EXPECT_EQ(w.height, 480U - 1);
+  parameters.min_disparity = 10;
+  w = window({640, 480});
+  EXPECT_EQ(w.x_offset, 64U + 10 - 1);
+  EXPECT_EQ(w.width, 640U - 1 - 10 - 73);
+  for (const StereoAlgorithm algorithm : {StereoAlgorithm::kSgm, StereoAlgorithm::kWindow}) {
+    parameters.stereo_algorithm = algorithm;
+    parameters.dense = true;
+    w = window({640, 480});
+    EXPECT_EQ(w.x_offset, 0U);
+    EXPECT_EQ(w.y_offset, 0U);
+    EXPECT_EQ(w.width, 640U);
+    EXPECT_EQ(w.height, 480U);
+  }
 }
 
 TEST(Conversions, CameraInfoKeepsEveryFieldBothWays) {

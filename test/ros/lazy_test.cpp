@@ -53,7 +53,36 @@ TEST(Lazy, RectifiedImagesAloneNeedNoMatching) {
       rig.status_when([](const StereoStatus& s) { return s.publish_ms > 0; });
   EXPECT_GT(status.publish_ms, 0);
   EXPECT_EQ(status.match_ms, 0);
+  EXPECT_EQ(status.cost_ms, 0);
   EXPECT_EQ(status.speckle_ms, 0);
+}
+
+TEST(Status, HasTheTimeOfEveryStageThatRuns) {
+  Rig rig;
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  const auto status_of = [&](const std::string& algorithm, const std::string& dense) {
+    rig.reconfigure("stereo_algorithm", algorithm);
+    rig.reconfigure("dense", dense);
+    rig.status();  // ends the means over earlier frames
+    EXPECT_TRUE(disparity.with_stamp(rig.publish(synthetic_pair(kSize, 12))));
+    return rig.status_when([](const StereoStatus& s) { return s.rate > 0; });
+  };
+  const StereoStatus sgm = status_of("sgm", "true");
+  EXPECT_GT(sgm.cost_ms, 0);
+  EXPECT_GT(sgm.aggregate_ms, 0);
+  EXPECT_GT(sgm.select_ms, 0);
+  EXPECT_GT(sgm.fill_ms, 0);
+  EXPECT_GT(sgm.median_ms, 0);
+  EXPECT_EQ(sgm.match_ms, 0);
+  const StereoStatus window = status_of("window", "false");
+  EXPECT_GT(window.match_ms, 0);
+  EXPECT_GT(window.select_ms, 0);
+  EXPECT_EQ(window.cost_ms, 0);
+  EXPECT_EQ(window.aggregate_ms, 0);
+  EXPECT_EQ(window.fill_ms, 0);
+  EXPECT_EQ(window.median_ms, 0);
+  rig.reconfigure("stereo_algorithm", "sgm");
 }
 
 TEST(Reconfigure, TakesEffectWhileTheNodeRuns) {
@@ -79,6 +108,7 @@ TEST(Reconfigure, RefusedValuesAreWrittenBack) {
             "15");
   EXPECT_EQ(value_of(rig.reconfigure("disparity_range", "50"), "disparity_range"), "64");
   EXPECT_EQ(value_of(rig.reconfigure("census_pattern", "dense"), "census_pattern"), "sparse");
+  EXPECT_EQ(value_of(rig.reconfigure("stereo_algorithm", "bm"), "stereo_algorithm"), "sgm");
   EXPECT_EQ(value_of(rig.reconfigure("depth_encoding", "8UC1"), "depth_encoding"), "32FC1");
   EXPECT_EQ(value_of(rig.reconfigure("census_pattern", "full"), "census_pattern"), "full");
   EXPECT_EQ(value_of(rig.reconfigure("census_pattern", "sparse"), "census_pattern"), "sparse");

@@ -116,12 +116,9 @@ TEST_F(Peer, DisparityFields) {
   // Intended: the step of this node is finer.
   EXPECT_EQ(ours->delta_d, 0.03125F);
   EXPECT_EQ(theirs->delta_d, 0.0625F);
-  // Intended: the peer computes the window before it knows the size of the image.
-  EXPECT_EQ(ours->valid_window.x_offset, theirs->valid_window.x_offset);
-  EXPECT_EQ(ours->valid_window.y_offset, theirs->valid_window.y_offset);
-  EXPECT_EQ(ours->valid_window.width, 160U - 1 - 7 - 70);
-  EXPECT_EQ(ours->valid_window.height, 120U - 1 - 14);
-  EXPECT_GT(theirs->valid_window.width, 4000000000U);
+  // Intended: semi-global matching has no border of half a window.
+  EXPECT_EQ(ours->valid_window.x_offset, theirs->valid_window.x_offset - 7);
+  EXPECT_EQ(ours->valid_window.y_offset, theirs->valid_window.y_offset - 7);
 
   // Invalid pixels have the same value; valid ones agree with each other.
   int both = 0;
@@ -136,6 +133,23 @@ TEST_F(Peer, DisparityFields) {
   }
   EXPECT_GT(both, 160 * 120 / 10);
   EXPECT_GT(close, both * 9 / 10);
+}
+
+TEST_F(Peer, ValidWindowOfWindowMatching) {
+  rig_.reconfigure("stereo_algorithm", "window");
+  const ros::Time stamp = play_synthetic_frame();
+  const auto message = disparity_.with_stamp(stamp);
+  const auto peer_message = peer_disparity_.with_stamp(stamp);
+  rig_.reconfigure("stereo_algorithm", "sgm");
+  ASSERT_TRUE(message && peer_message);
+  const auto& ours = message->valid_window;
+  const auto& theirs = peer_message->valid_window;
+  EXPECT_EQ(ours.x_offset, theirs.x_offset);
+  EXPECT_EQ(ours.y_offset, theirs.y_offset);
+  // Intended: the peer computes the window before it knows the size of the image.
+  EXPECT_EQ(ours.width, 160U - 1 - 7 - 70);
+  EXPECT_EQ(ours.height, 120U - 1 - 14);
+  EXPECT_GT(theirs.width, 4000000000U);
 }
 
 TEST_F(Peer, RectifiedImages) {
