@@ -80,6 +80,17 @@ link::Device::Callbacks BoardSource::device_callbacks() {
   return callbacks;
 }
 
+void BoardSource::announce_algorithm(const link::Identity& identity) {
+  const bool is_default = plan_.parameters().stereo_algorithm == StereoAlgorithm::kSgm;
+  if (node_settings_.is_algorithm_chosen || is_default) return;
+  if (std::exchange(announced_board_, identity.text()) == identity.text()) return;
+  std::string text = "the board is built for window matching, so the node uses that";
+  if (settings_.backend == Backend::kAuto) {
+    text += "; set stereo_algorithm to sgm to have the software do semi-global matching instead";
+  }
+  ROS_INFO_STREAM_NAMED("stereo", text);
+}
+
 void BoardSource::apply_plan() {
   if (!plan_.has_board()) return;
   const auto told = std::tie(logged_ability_, logged_limitation_);
@@ -110,6 +121,7 @@ void BoardSource::on_identified(const link::Identity& identity) {
     unanswered = in_flight_.take_all();
     if (!settings_.topic_input) plan_.set_calibration(calibration);
     plan_.set_identity(identity);
+    announce_algorithm(identity);
     apply_plan();
   }
   hand_over(unanswered);
@@ -174,7 +186,7 @@ void BoardSource::refresh() {
 void BoardSource::set_settings(const Settings& settings) {
   const MutexLock lock(mutex_);
   node_settings_ = settings;
-  plan_.set_parameters(settings.pipeline);
+  plan_.set_parameters(settings.pipeline, settings.is_algorithm_chosen);
   apply_plan();
 }
 
@@ -220,6 +232,11 @@ bool BoardSource::send(const SourcePair& pair) {
 bool BoardSource::is_present() const {
   const MutexLock lock(mutex_);
   return plan_.has_board();
+}
+
+Parameters BoardSource::parameters() const {
+  const MutexLock lock(mutex_);
+  return plan_.parameters();
 }
 
 bool BoardSource::makes_disparity() const {

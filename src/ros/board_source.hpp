@@ -45,6 +45,10 @@ class BoardSource {
   /// false if the pair is left to the software.
   bool send(const SourcePair& pair) FPGA_STEREO_EXCLUDES(mutex_);
 
+  /// The parameters for the board's pairs, whether the board or the software computes them. Without
+  /// a board, those of the settings.
+  Parameters parameters() const FPGA_STEREO_EXCLUDES(mutex_);
+
   void set_demand(const Demand& demand) FPGA_STEREO_EXCLUDES(mutex_);
   void set_settings(const Settings& settings) FPGA_STEREO_EXCLUDES(mutex_);
   /// Adopts a new calibration and lets go of a board that was refused. Call about once a second.
@@ -74,6 +78,8 @@ class BoardSource {
   /// Gives pairs in flight to the software, or drops them if only the board may compute.
   void hand_over(const std::vector<SourcePair>& pairs);
   bool is_asked_for() const;
+  /// Logs once per board that its build decides about stereo_algorithm.
+  void announce_algorithm(const link::Identity& identity) FPGA_STEREO_REQUIRES(mutex_);
   /// Passes the plan to the device; logs a change of what the board can do.
   void apply_plan() FPGA_STEREO_REQUIRES(mutex_);
 
@@ -112,6 +118,7 @@ class BoardSource {
   link::BoardAbility logged_ability_ FPGA_STEREO_GUARDED_BY(mutex_) =
       link::BoardAbility::kMakesDisparity;
   std::string logged_limitation_ FPGA_STEREO_GUARDED_BY(mutex_);
+  std::string announced_board_ FPGA_STEREO_GUARDED_BY(mutex_);
   Settings node_settings_ FPGA_STEREO_GUARDED_BY(mutex_);
   Demand demand_ FPGA_STEREO_GUARDED_BY(mutex_);
   PairsInFlight in_flight_ FPGA_STEREO_GUARDED_BY(mutex_);

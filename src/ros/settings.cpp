@@ -1,12 +1,13 @@
 #include "ros/settings.hpp"
 
 #include <dynamic_reconfigure/Config.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "ros/parameter_reader.hpp"
 
@@ -134,13 +135,37 @@ std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh
   return refusals;
 }
 
+std::optional<std::string> translate_algorithm(const ros::NodeHandle& private_nh) {
+  constexpr const char* kName = "stereo_algorithm";
+  XmlRpc::XmlRpcValue value;
+  if (!private_nh.getParam(kName, value)) return std::nullopt;
+  const std::string number = text_of(value);
+  if (number != "0" && number != "1") return std::nullopt;
+  const std::string word =
+      to_text(number == "0" ? StereoAlgorithm::kWindow : StereoAlgorithm::kSgm);
+  private_nh.setParam(kName, word);
+  return fmt::format("{} = {} of stereo_image_proc ({}) means {} in this node", kName, number,
+                     number == "0" ? "block matching" : "semi-global block matching", word);
+}
+
 std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh) {
-  std::vector<std::string> names;
-  for (const char* name : {"stereo_algorithm", "prefilter_size", "prefilter_cap",
-                           "texture_threshold", "fullDP", "P1", "P2", "downsampling_factor"}) {
-    if (private_nh.hasParam(name)) names.emplace_back(name);
+  const std::pair<const char*, const char*> kIgnored[]{
+      {"prefilter_size", ""},
+      {"prefilter_cap", ""},
+      {"texture_threshold", ""},
+      {"downsampling_factor", ""},
+      {"P1", "sgm_p1, on another scale"},
+      {"P2", "sgm_p2, sgm_p2_edge and sgm_p2_strong_edge, on another scale"},
+      {"fullDP", "sgm_build"}};
+  std::vector<std::string> messages;
+  for (const auto& [name, counterpart] : kIgnored) {
+    if (!private_nh.hasParam(name)) continue;
+    std::string message =
+        fmt::format("parameter {} of stereo_image_proc has no effect in this node", name);
+    if (*counterpart != '\0') message += fmt::format("; this node has {}", counterpart);
+    messages.push_back(std::move(message));
   }
-  return names;
+  return messages;
 }
 
 Settings to_settings(StereoConfig& config, const StereoConfig& accepted,

@@ -4,6 +4,7 @@
 #include <fpga_stereo/StereoConfig.h>
 #include <ros/node_handle.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ enum class DepthEncoding { kMetres, kMillimetres };
 /// Settings that can change while the node runs.
 struct Settings {
   Parameters pipeline;
+  /// The user has set stereo_algorithm. Otherwise a connected board's build decides.
+  bool is_algorithm_chosen = false;
   CloudLayout cloud;
   double cloud_max_rate = 0;  // Hz; 0: a cloud for every frame
   DepthEncoding depth_encoding = DepthEncoding::kMetres;
@@ -40,7 +43,12 @@ SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
 /// hold. Returns a message for each. Call before dynamic_reconfigure reads the parameters.
 std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh);
 
-/// Returns the parameters of stereo_image_proc that are set but have no effect in this node.
+/// Replaces a number of stereo_image_proc in ~stereo_algorithm, 0 or 1, by this node's word.
+/// Returns a message if it does. Call before refuse_bad_parameters().
+std::optional<std::string> translate_algorithm(const ros::NodeHandle& private_nh);
+
+/// Returns a message for each parameter of stereo_image_proc that is set but has no effect in this
+/// node.
 std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh);
 
 /// Converts `config` to settings. A value that is not allowed is replaced by the one in `accepted`,

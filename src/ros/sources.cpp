@@ -35,11 +35,19 @@ Sources::~Sources() {
 }
 
 void Sources::set_settings(const Settings& settings) {
-  software_->set_settings(settings);
+  settings_ = settings;
   if (board_) board_->set_settings(settings);
+  update_software();
+}
+
+void Sources::update_software() {
+  Settings settings = settings_;
+  if (board_) settings.pipeline = board_->parameters();
+  software_->set_settings(settings);
 }
 
 void Sources::set_demand(const Demand& demand) {
+  update_software();  // a board may have come or gone
   software_->set_demand(demand);
   if (board_) board_->set_demand(demand);
   topics_->set_demand(demand);

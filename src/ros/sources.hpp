@@ -58,6 +58,8 @@ class Sources {
   bool has_board() const { return board_ != nullptr && board_->is_present(); }
 
  private:
+  /// The software computes a board's pairs with the board's stereo_algorithm.
+  void update_software();
   void make_board(const ros::NodeHandle& nh, const std::function<void()>& changed);
   /// True if the pairs come from topics, not from the cameras of a board.
   bool needs_topics() const;
@@ -69,6 +71,7 @@ class Sources {
   Health& health_;
   FramePublisher& publisher_;
   StampGate gate_;
+  Settings settings_;  // of set_settings()
   // All are set by the constructor and never change; no board if the backend is the software.
   std::unique_ptr<SoftwareSource> software_;
   std::unique_ptr<CameraTopics> cameras_;

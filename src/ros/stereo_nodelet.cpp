@@ -19,6 +19,11 @@
 #include "ros/status_reporter.hpp"
 
 namespace fpga_stereo {
+namespace {
+
+constexpr const char* kAlgorithm = "stereo_algorithm";
+
+}  // namespace
 
 class StereoNodelet : public nodelet::Nodelet {
  public:
@@ -31,6 +36,9 @@ class StereoNodelet : public nodelet::Nodelet {
   void make_sources(const SyncSettings& sync, const BoardSettings& board)
       FPGA_STEREO_EXCLUDES(mutex_);
   void on_reconfigure(StereoConfig& config) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Deletes ~stereo_algorithm, which the reconfigure server has written, unless the user has
+  /// chosen an algorithm: a node that starts again must not take it for a choice.
+  void forget_default_algorithm() FPGA_STEREO_EXCLUDES(mutex_);
   void on_demand_change() FPGA_STEREO_EXCLUDES(mutex_);
   void on_timer() FPGA_STEREO_EXCLUDES(mutex_);
   bool on_reset(Trigger::Request&, Trigger::Response& response) FPGA_STEREO_EXCLUDES(mutex_);
@@ -48,6 +56,8 @@ class StereoNodelet : public nodelet::Nodelet {
   mutable Mutex mutex_;
   Settings settings_ FPGA_STEREO_GUARDED_BY(mutex_);
   StereoConfig config_ FPGA_STEREO_GUARDED_BY(mutex_);
+  bool is_algorithm_chosen_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
+  bool is_default_algorithm_written_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
   std::unique_ptr<Sources> sources_ FPGA_STEREO_GUARDED_BY(mutex_);
 
   std::unique_ptr<StatusReporter> reporter_;  // used by the timer alone
@@ -59,13 +69,14 @@ class StereoNodelet : public nodelet::Nodelet {
 
 void StereoNodelet::onInit() {
   ros::NodeHandle& private_nh = getPrivateNodeHandle();
+  if (const auto translation = translate_algorithm(private_nh)) {
+    NODELET_INFO_STREAM("parameter " << *translation);
+  }
   std::vector<std::string> refusals = refuse_bad_parameters(private_nh);
   const SyncSettings sync = load_sync_settings(private_nh, refusals);
   const BoardSettings board = load_board_settings(private_nh, refusals);
   for (const std::string& refusal : refusals) NODELET_ERROR_STREAM("parameter " << refusal);
-  for (const std::string& name : ignored_parameters(private_nh)) {
-    NODELET_WARN_STREAM("parameter " << name << " of stereo_image_proc has no effect in this node");
-  }
+  for (const std::string& message : ignored_parameters(private_nh)) NODELET_WARN_STREAM(message);
   if (const Status known = check_target_variable(); !known) {
     NODELET_ERROR_STREAM(known.error().message << "; using " << target());
   }
@@ -74,11 +85,13 @@ void StereoNodelet::onInit() {
   {
     const MutexLock lock(mutex_);
     config_ = StereoConfig::__getDefault__();
+    is_algorithm_chosen_ = private_nh.hasParam(kAlgorithm);
   }
   reconfigure_ =
       std::make_unique<dynamic_reconfigure::Server<StereoConfig>>(config_mutex_, private_nh);
   reconfigure_->setCallback(
       [this](StereoConfig& config, std::uint32_t) { on_reconfigure(config); });
+  forget_default_algorithm();
   make_sources(sync, board);
   reporter_ =
       std::make_unique<StatusReporter>(getNodeHandle(), private_nh, getName(), health_, *sources());
@@ -131,11 +144,22 @@ void StereoNodelet::on_reconfigure(StereoConfig& config) {
   const MutexLock lock(mutex_);
   std::vector<std::string> refusals;
   settings_ = to_settings(config, config_, refusals);
+  if (config.stereo_algorithm != config_.stereo_algorithm) is_algorithm_chosen_ = true;
+  settings_.is_algorithm_chosen = is_algorithm_chosen_;
+  is_default_algorithm_written_ = !is_algorithm_chosen_;
   config_ = config;
   for (const std::string& refusal : refusals) NODELET_ERROR_STREAM("parameter " << refusal);
   if (!sources_) return;
   sources_->set_settings(settings_);
   apply_demand();  // cloud_fields decides whether the cloud needs colour
+}
+
+void StereoNodelet::forget_default_algorithm() {
+  // The server holds this lock from the callback until it has written the parameters.
+  const boost::recursive_mutex::scoped_lock server_lock(config_mutex_);
+  const MutexLock lock(mutex_);
+  if (!std::exchange(is_default_algorithm_written_, false)) return;
+  getPrivateNodeHandle().deleteParam(kAlgorithm);
 }
 
 void StereoNodelet::on_demand_change() {
@@ -146,6 +170,7 @@ void StereoNodelet::on_demand_change() {
 void StereoNodelet::on_timer() {
   Sources* const all = sources();
   if (all == nullptr) return;
+  forget_default_algorithm();
   all->refresh();
   // A subscriber that left while the outputs were being advertised is noticed here.
   on_demand_change();

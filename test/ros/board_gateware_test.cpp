@@ -66,6 +66,17 @@ TEST(BoardGateware, MakesTheDisparityOfTheSoftware) {
   EXPECT_EQ(s.verified_pixels_differ, 0U);
   EXPECT_EQ(s.source, "board");
   EXPECT_EQ(s.board_bad_packets, 0U);
+
+  // So far the build has decided about the algorithm. It is not suitable for another.
+  rig.reconfigure("stereo_algorithm", "window");
+  rig.reconfigure("stereo_algorithm", "sgm");
+  rig.publish(synthetic_pair(size, 3, true));
+  const StereoStatus unsuitable = rig.status_when(
+      [](const StereoStatus& status) { return status.state == StereoStatus::BOARD_UNSUITABLE; });
+  EXPECT_EQ(unsuitable.state, StereoStatus::BOARD_UNSUITABLE);
+  EXPECT_EQ(unsuitable.state_text,
+            "pair dropped: the board cannot make this disparity: stereo_algorithm = sgm: this "
+            "gateware is built for window only");
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ class Board : public testing::Test {
     ASSERT_TRUE(calibrate("right", pair_.right_info));
   }
   bool disparity_is_right(int more = 3) {
-    const cv::Mat1w expected = core_disparity(pair_, Parameters{});
+    const cv::Mat1w expected = core_disparity(pair_, window_parameters());
     const std::size_t before = disparity_.count();
     if (!eventually([&] { return disparity_.count() >= before + more; })) return false;
     return equals(*disparity_.last(), expected);
@@ -175,13 +175,37 @@ TEST_F(Board, FallsBackToTheSoftwareForUnsupportedSettings) {
   rig_.reconfigure("disparity_range", "32");
   const StereoStatus s = status_when(std::nullopt, "software", StereoStatus::STREAMING);
   EXPECT_EQ(s.source, "software");
-  Parameters parameters;
+  Parameters parameters = window_parameters();
   parameters.disparity_range = 32;
   const cv::Mat1w expected = core_disparity(pair_, parameters);
   EXPECT_TRUE(eventually([&] { return equals(*disparity_.last(), expected); }));
   rig_.reconfigure("disparity_range", "64");
   EXPECT_EQ(status_when(std::nullopt, "board", StereoStatus::STREAMING).source, "board");
   EXPECT_TRUE(disparity_is_right(30));
+}
+
+TEST_F(Board, IsAnnouncedOnceIfItsBuildDecidesAboutTheAlgorithm) {
+  sim::SoftwareBoard::Options other;  // not the board of the tests before
+  other.build.max_width = 656;
+  Listener<rosgraph_msgs::Log> log(rig_.nh(), "/rosout");
+  ASSERT_TRUE(eventually([&] { return log.count() > 0; }));
+  const auto announcements = [&] {
+    return log.count_if([](const rosgraph_msgs::Log& line) {
+      return line.level == rosgraph_msgs::Log::INFO &&
+             line.msg.find("the board is built for window matching") != std::string::npos;
+    });
+  };
+  plug_in(other);
+  ASSERT_TRUE(disparity_is_right());
+  EXPECT_TRUE(eventually([&] { return announcements() == 1; }));
+  board_->plug(false);
+  status_when(StereoStatus::LINK_CLOSED);
+  board_->plug(true);
+  ASSERT_TRUE(disparity_is_right());
+  rig_.status();
+  EXPECT_EQ(announcements(), 1U);
+  // A node that starts again must not take the default for a choice.
+  EXPECT_TRUE(eventually([&] { return !rig_.nh().hasParam("fpga_stereo/stereo_algorithm"); }));
 }
 
 TEST_F(Board, IsRefusedIfItsSpecificationDiffers) {
@@ -259,6 +283,30 @@ TEST(BoardIdle, WorksWithoutStreamsThatTheBuildLacks) {
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   EXPECT_TRUE(eventually([&] { return rect.count() > 2 && disparity.count() > 2; }));
   EXPECT_EQ(right.count(), 0U) << "the build does not send it";
+}
+
+// This test is the last one with this board: it chooses an algorithm, which cannot be undone.
+TEST_F(Board, LeavesAnAlgorithmThatItIsNotBuiltForToTheSoftware) {
+  plug_in();
+  ASSERT_TRUE(disparity_is_right());
+  rig_.reconfigure("dense", "true");  // the build decides about the algorithm still
+  EXPECT_EQ(status_when(std::nullopt, "software", StereoStatus::STREAMING).source, "software");
+  Parameters parameters = window_parameters();
+  parameters.dense = true;
+  const cv::Mat1w dense = core_disparity(pair_, parameters);
+  EXPECT_TRUE(eventually([&] { return equals(*disparity_.last(), dense); }));
+  rig_.reconfigure("dense", "false");
+  EXPECT_EQ(status_when(std::nullopt, "board", StereoStatus::STREAMING).source, "board");
+
+  rig_.reconfigure("stereo_algorithm", "window");
+  rig_.reconfigure("stereo_algorithm", "sgm");
+  EXPECT_EQ(status_when(std::nullopt, "software", StereoStatus::STREAMING).source, "software");
+  const cv::Mat1w sgm = core_disparity(pair_, {});
+  EXPECT_TRUE(eventually([&] { return equals(*disparity_.last(), sgm); }));
+  EXPECT_TRUE(rig_.nh().hasParam("fpga_stereo/stereo_algorithm"));
+  rig_.reconfigure("stereo_algorithm", "window");
+  EXPECT_EQ(status_when(std::nullopt, "board", StereoStatus::STREAMING).source, "board");
+  EXPECT_TRUE(disparity_is_right(30));
 }
 
 }  // namespace

@@ -102,6 +102,56 @@ TEST(Outputs, DisparityEqualsCorePixelForPixel) {
   EXPECT_EQ(message->delta_d, 1.0F / 32);
 }
 
+TEST(Outputs, EveryAlgorithmEqualsCorePixelForPixel) {
+  Rig rig;
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  const PairMessages pair = synthetic_pair(kSize, 12, true);
+  std::vector<cv::Mat1w> results;
+  for (const StereoAlgorithm algorithm : {StereoAlgorithm::kWindow, StereoAlgorithm::kSgm}) {
+    for (const bool dense : {true, false}) {
+      SCOPED_TRACE(to_text(algorithm) + (dense ? ", dense" : ""));
+      rig.reconfigure("stereo_algorithm", to_text(algorithm));
+      rig.reconfigure("dense", dense ? "true" : "false");
+      const auto message = disparity.with_stamp(rig.publish(pair));
+      ASSERT_TRUE(message);
+      Parameters parameters;
+      parameters.stereo_algorithm = algorithm;
+      parameters.dense = dense;
+      results.push_back(core_disparity(pair, parameters));
+      expect_disparity(*message, results.back(), 0);
+      EXPECT_EQ(message->valid_window.width == 160U, dense);
+    }
+  }
+  for (std::size_t i = 1; i < results.size(); ++i) {
+    EXPECT_GT(cv::countNonZero(results[i] != results[i - 1]), 0) << "the results tell them apart";
+  }
+}
+
+TEST(Outputs, ADenseFrameHasDepthAndAPointInEveryPixel) {
+  Rig rig;
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  Listener<PointCloud2> cloud(rig.nh(), "points2");
+  Listener<Image> depth(rig.nh(), "depth");
+  ASSERT_TRUE(rig.node_listens());
+  rig.reconfigure("dense", "true");
+  const ros::Time stamp = rig.publish(synthetic_pair(kSize, 12, true));
+  const auto d = disparity.with_stamp(stamp);
+  const auto points = cloud.with_stamp(stamp);
+  const auto z = depth.with_stamp(stamp);
+  ASSERT_TRUE(d && points && z);
+  int without_disparity = 0, without_depth = 0, without_point = 0;
+  for (unsigned i = 0; i < 160 * 120; ++i) {
+    without_disparity += float_at(d->image.data, i * 4) <= 0;
+    without_depth += !std::isfinite(float_at(z->data, i * 4));
+    without_point += !std::isfinite(float_at(points->data, i * 32 + 8));
+  }
+  EXPECT_EQ(without_disparity, 0);
+  EXPECT_EQ(without_depth, 0);
+  EXPECT_EQ(without_point, 0);
+  rig.reconfigure("dense", "false");
+}
+
 TEST(Outputs, EveryEncodingGivesTheDisparityOfItsGreyImage) {
   Rig rig;
   Listener<DisparityImage> disparity(rig.nh(), "disparity");

@@ -51,6 +51,13 @@ class Listener {
                          [&](const Ptr& message) { return condition(*message); });
     });
   }
+  /// Returns the number of messages so far that fulfil `condition`.
+  std::size_t count_if(const std::function<bool(const Message&)>& condition) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return static_cast<std::size_t>(
+        std::count_if(messages_.begin(), messages_.end(),
+                      [&](const Ptr& message) { return condition(*message); }));
+  }
   /// Waits for the message with this stamp. Returns null if it does not arrive.
   Ptr with_stamp(const ros::Time& stamp, double seconds = 10) const {
     Ptr found;

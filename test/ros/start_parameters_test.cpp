@@ -1,5 +1,6 @@
 // Parameters that are set before the node starts: allowed values hold, others are refused and
-// replaced by their defaults. Parameters of stereo_image_proc are ignored.
+// replaced by their defaults. Numbers of stereo_image_proc for the algorithm are understood, and
+// its parameters without a counterpart ignored.
 #include <gtest/gtest.h>
 #include <stereo_msgs/DisparityImage.h>
 
@@ -31,9 +32,65 @@ TEST(StartParameters, AllowedValuesHoldAndOthersAreReplaced) {
   std::string pattern;
   rig.nh().getParam("fpga_stereo/census_pattern", pattern);
   EXPECT_EQ(pattern, "sparse") << "7 is refused";
+  std::string algorithm;
+  rig.nh().getParam("fpga_stereo/stereo_algorithm", algorithm);
+  EXPECT_EQ(algorithm, "window") << "0 means block matching in stereo_image_proc";
+  EXPECT_EQ(message->valid_window.y_offset, 7U) << "window matching is used";
   double ratio = 0;
   rig.nh().getParam("fpga_stereo/uniqueness_ratio", ratio);
   EXPECT_EQ(ratio, 10) << "an integer is a number";
+}
+
+TEST(StartParameters, TranslatesTheAlgorithmsOfStereoImageProc) {
+  ros::NodeHandle nh("~peer");
+  EXPECT_FALSE(translate_algorithm(nh)) << "it is not set";
+  const auto translated = [&](const auto& value) {
+    nh.setParam("stereo_algorithm", value);
+    const auto message = translate_algorithm(nh);
+    EXPECT_TRUE(refuse_bad_parameters(nh).empty());
+    std::string word;
+    EXPECT_TRUE(nh.getParam("stereo_algorithm", word));
+    return word + ": " + message.value_or("");
+  };
+  const std::string block =
+      "window: stereo_algorithm = 0 of stereo_image_proc (block matching) means window in this "
+      "node";
+  const std::string global =
+      "sgm: stereo_algorithm = 1 of stereo_image_proc (semi-global block matching) means sgm in "
+      "this node";
+  EXPECT_EQ(translated(0), block);
+  EXPECT_EQ(translated("0"), block);
+  EXPECT_EQ(translated(1), global);
+  EXPECT_EQ(translated("1"), global);
+  EXPECT_EQ(translated("window"), "window: ");
+  EXPECT_EQ(translated("sgm"), "sgm: ");
+
+  for (const int other : {2, -1}) {
+    nh.setParam("stereo_algorithm", other);
+    EXPECT_FALSE(translate_algorithm(nh));
+    EXPECT_EQ(refuse_bad_parameters(nh).at(0),
+              "stereo_algorithm = " + std::to_string(other) +
+                  " (a whole number): allowed window or sgm; using sgm");
+    EXPECT_FALSE(nh.hasParam("stereo_algorithm"));
+  }
+}
+
+TEST(StartParameters, NamesTheCounterpartsOfIgnoredOnes) {
+  ros::NodeHandle nh("~ignored");
+  EXPECT_TRUE(ignored_parameters(nh).empty());
+  nh.setParam("stereo_algorithm", 1);
+  nh.setParam("prefilter_cap", 31);
+  nh.setParam("P1", 200);
+  nh.setParam("P2", 400);
+  nh.setParam("fullDP", true);
+  const std::vector<std::string> expected{
+      "parameter prefilter_cap of stereo_image_proc has no effect in this node",
+      "parameter P1 of stereo_image_proc has no effect in this node; this node has sgm_p1, on "
+      "another scale",
+      "parameter P2 of stereo_image_proc has no effect in this node; this node has sgm_p2, "
+      "sgm_p2_edge and sgm_p2_strong_edge, on another scale",
+      "parameter fullDP of stereo_image_proc has no effect in this node; this node has sgm_build"};
+  EXPECT_EQ(ignored_parameters(nh), expected);
 }
 
 TEST(StartParameters, OfABoard) {
