@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "evaluate_raw/measures.hpp"
+#include "evaluate_raw/collectors.hpp"
 #include "fpga_stereo/core/spec.hpp"
 #include "programs.hpp"
 
@@ -47,6 +47,19 @@ TEST(Values, MeanAndLowerMedian) {
   values.add((cv::Mat1f(1, 2) << 5, kNone));
   EXPECT_EQ(values.mean(), 4);
   EXPECT_EQ(values.median(), 2);
+}
+
+TEST(Predictions, CommonPixelsAreThoseOfEveryContender) {
+  constexpr std::uint16_t kHole = kNoDisparity;
+  Images images;
+  images.left = (cv::Mat1b(1, 4) << 10, 20, 30, 40);
+  images.right = images.left.clone();
+  Predictions predictions(2, 1);  // the search begins at 1 px
+  // Pixel x is predicted from x - 1 or x - 2; the first contender errs by 10, then by 20.
+  predictions.add(images,
+                  {(cv::Mat1w(1, 4) << 0, 0, kHole, 32), (cv::Mat1w(1, 4) << kHole, kHole, 0, 0)});
+  EXPECT_EQ(predictions.values(0), (std::vector<double>{75, 15, 10, 20, 20}));
+  EXPECT_EQ(predictions.values(1), (std::vector<double>{50, 10, 10, 10, 10}));
 }
 
 /// A chessboard that faces the cameras: f = 500 px, baseline 0.1 m, 100 px = 0.5 m away, so that

@@ -2,13 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <functional>
 #include <iostream>
-#include <limits>
 
-#include "evaluate_raw/measures.hpp"
+#include "evaluate_raw/collectors.hpp"
 #include "evaluate_raw/raw_pairs.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
 #include "support/files.hpp"
@@ -66,11 +64,6 @@ std::string name_of(const Parameters& p) {
   return to_text(p.stereo_algorithm) + (p.dense ? " dense" : "");
 }
 
-/// A raw pair and its rectified images, without the shift by min_disparity.
-struct Images {
-  cv::Mat1b left_raw, right_raw, left, right;
-};
-
 /// Computes disparities in 1/32 px from min_disparity on.
 struct Contender {
   std::string name;
@@ -108,108 +101,6 @@ std::vector<Contender> make_contenders(const po::variables_map& options, const P
   }
   return contenders;
 }
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-/// Sets every pixel to kNone that is kNone in one of the images.
-void keep_common(std::vector<cv::Mat1f>& images) {
-  for (int y = 0; y < images[0].rows; ++y) {
-    for (int x = 0; x < images[0].cols; ++x) {
-      const bool is_common =
-          std::none_of(images.begin(), images.end(),
-                       [&](const cv::Mat1f& image) { return std::isnan(image(y, x)); });
-      if (is_common) continue;
-      for (cv::Mat1f& image : images) image(y, x) = kNone;
-    }
-  }
-}
-
-/// Collects how well each contender predicts the left images of a sequence.
-class Predictions {
- public:
-  static constexpr const char* kTitles[] = {"coverage %", "mean", "median", "mean, common",
-                                            "median, common"};
-
-  Predictions(std::size_t num_contenders, int min_disparity)
-      : all_(num_contenders),
-        common_(num_contenders),
-        covered_(num_contenders),
-        min_disparity_(min_disparity) {}
-
-  void add(const Images& images, const std::vector<cv::Mat1w>& disparities) {
-    const cv::Mat1f right = match_brightness(images.left, images.right);
-    std::vector<cv::Mat1f> errors;
-    for (std::size_t i = 0; i < disparities.size(); ++i) {
-      cv::Mat1f px;
-      to_float(disparities[i], min_disparity_, kNone, px);
-      errors.push_back(prediction_error(images.left, right, px));
-      all_[i].add(errors.back());
-      covered_[i] += cv::countNonZero(disparities[i] != kNoDisparity);
-    }
-    keep_common(errors);
-    for (std::size_t i = 0; i < errors.size(); ++i) common_[i].add(errors[i]);
-    total_ += static_cast<double>(images.left.total());
-  }
-
-  std::vector<double> values(std::size_t i) const {
-    return {100 * covered_[i] / total_, all_[i].mean(), all_[i].median(), common_[i].mean(),
-            common_[i].median()};
-  }
-
- private:
-  std::vector<Values> all_, common_;  // by contender
-  std::vector<double> covered_;       // pixels with a disparity
-  double total_ = 0;                  // pixels
-  const int min_disparity_;
-};
-
-/// Collects the measures of chessboards.
-class Boards {
- public:
-  static constexpr const char* kTitles[] = {"coverage %", "RMS mm", "median mm", "corners %",
-                                            "pitch error %"};
-
-  Boards(std::size_t num_contenders, cv::Size board, double square,
-         const Reprojection& reprojection)
-      : sums_(num_contenders, std::vector<double>(std::size(kTitles))),
-        counts_(sums_.size(), std::vector<int>(std::size(kTitles))),
-        board_(board),
-        square_(square),
-        reprojection_(reprojection) {}
-
-  /// Returns false if the left image shows no chessboard.
-  bool add(const Images& images, const std::vector<cv::Mat1w>& disparities) {
-    const Corners corners = find_corners(images.left, board_);
-    if (corners.empty()) return false;
-    for (std::size_t i = 0; i < disparities.size(); ++i) {
-      const BoardMeasures m = measure_board(corners, board_, disparities[i], reprojection_);
-      constexpr double kMmPerM = 1000;
-      const double values[] = {m.coverage, kMmPerM * m.rms_distance, kMmPerM * m.median_distance,
-                               m.corners, 100 * std::abs(m.pitch / square_ - 1)};
-      for (std::size_t k = 0; k < std::size(values); ++k) {
-        if (std::isnan(values[k])) continue;  // nothing to measure
-        sums_[i][k] += values[k];
-        ++counts_[i][k];
-      }
-    }
-    return true;
-  }
-
-  std::vector<double> values(std::size_t i) const {
-    std::vector<double> means;
-    for (std::size_t k = 0; k < std::size(kTitles); ++k) {
-      means.push_back(sums_[i][k] / counts_[i][k]);
-    }
-    return means;
-  }
-
- private:
-  std::vector<std::vector<double>> sums_;  // by contender and title
-  std::vector<std::vector<int>> counts_;
-  const cv::Size board_;
-  const double square_;  // m
-  const Reprojection reprojection_;
-};
 
 template <class Titles>
 void print_table(const Titles& titles, const std::vector<Row>& rows) {
