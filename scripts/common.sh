@@ -68,18 +68,38 @@ ros_environment() {
   done
 }
 
-# build_tree DIRECTORY [CMAKE_ARGUMENT...]: configures and builds the project in DIRECTORY.
-build_tree() {
+# configure DIRECTORY [CMAKE_ARGUMENT...]: configures the project in DIRECTORY.
+configure() {
   local directory=$1
   shift
   # The only package that Ubuntu 20.04 does not have.
   if is_ubuntu_2004; then set -- "$@" -DFPGA_STEREO_FETCH_HIGHWAY=ON; fi
-  say "Building in ${directory#"$root"/}"
   cmake -S "$root" -B "$directory" "$@" >"$directory.cmake.log" 2>&1 ||
     { tail -n 30 "$directory.cmake.log" >&2; die "cmake failed; the complete log is $directory.cmake.log"; }
-  cmake --build "$directory" -- -j"$(nproc)" >"$directory.make.log" 2>&1 ||
+}
+
+# run_build DIRECTORY [--target TARGET...]: builds targets, or everything.
+run_build() {
+  local directory=$1
+  cmake --build "$@" -- -j"$(nproc)" >"$directory.make.log" 2>&1 ||
     { grep -nE 'error|warning|\*\*\*' "$directory.make.log" | head -n 40 >&2
       die "the build failed; the complete log is $directory.make.log"; }
+}
+
+# build_tree DIRECTORY [CMAKE_ARGUMENT...]: configures and builds the project in DIRECTORY.
+build_tree() {
+  say "Building in ${1#"$root"/}"
+  configure "$@"
+  run_build "$1"
+}
+
+# build_targets DIRECTORY TARGET...: configures the project with its tests, and builds some targets.
+build_targets() {
+  local directory=$1
+  shift
+  say "Building $* in ${directory#"$root"/}"
+  configure "$directory" -DCATKIN_ENABLE_TESTING=ON
+  run_build "$directory" --target "$@"
 }
 
 mkdir -p "$build" "$ROS_LOG_DIR" "$ROS_HOME"
