@@ -75,6 +75,21 @@ TEST(Aggregate, PathFromTheLeftByHand) {
   }
 }
 
+/// Reverses the order of the disparities.
+std::vector<Row> from_the_far_end(std::vector<Row> pixels) {
+  for (Row& pixel : pixels) std::reverse(pixel.begin(), pixel.end());
+  return pixels;
+}
+
+TEST(Aggregate, BothEndsOfTheSearchRangeAreAlike) {
+  const Parameters p = aggregate_parameters(SgmBuild::kSmall, 1, 6);
+  const std::vector<Row> pixels = from_the_far_end(kPixels), path = from_the_far_end(kPath);
+  const auto sums = sums_of(flat({6, 1}), {costs_of_pixels(pixels)}, p);
+  for (int x = 0; x < 6; ++x) {
+    EXPECT_EQ(minus(column(sums[0], x), pixels[x]), path[x]) << "pixel " << x;
+  }
+}
+
 TEST(Aggregate, PathFromTheRightIsTheMirrorImage) {
   std::vector<Row> pixels = kPixels;
   std::reverse(pixels.begin(), pixels.end());
@@ -185,14 +200,17 @@ Parameters one_edge(SgmBuild build) {
 
 TEST(Aggregate, PenaltyBelongsToBothPixelsOfAStep) {
   const cv::Mat1b image = two_shades(12, 1);
+  Parameters p = one_edge(SgmBuild::kSmall);
   const auto small = [&](int x) {  // path from the left to pixel x, where nothing costs
     std::vector<Row> pixels = pixels_at_zero(x);
     pixels.resize(12, kNoCost);
-    return sums_of(image, {costs_of_pixels(pixels)}, one_edge(SgmBuild::kSmall))[0](7, x);
+    return sums_of(image, {costs_of_pixels(pixels)}, p)[0](7, x);
   };
   EXPECT_EQ(small(4), 12) << "3 per pixel, P2 = 15";
   EXPECT_EQ(small(5), 6) << "P2 at the edge";
   EXPECT_EQ(small(6), 9) << "3 more than the step over the edge";
+  p.sgm_edge = 13;
+  EXPECT_EQ(small(5), 15) << "12 is no edge; without smoothing the difference would be 32";
   const auto right = [&](int x) {  // path from the right
     std::vector<Row> pixels(x + 1, kNoCost);
     pixels.resize(12, Row{0, 3, 3, 3, 3, 3, 3, 3});
@@ -329,7 +347,8 @@ TEST(Aggregate, ForgetsEarlierFrames) {
   unsigned seed = 600;
   for (const cv::Size size : {cv::Size(20, 5), {7, 9}, {1, 1}, {33, 4}}) {
     for (const SgmBuild build : {SgmBuild::kFull, SgmBuild::kSmall}) {
-      Parameters p = aggregate_parameters(build, 4, 12);
+      Parameters p;  // with a P2 that depends on the image
+      p.sgm_build = build;
       p.disparity_range = build == SgmBuild::kFull ? 24 : 8;
       const cv::Mat1b left = random_image(size, ++seed);
       std::vector<cv::Mat1b> costs;

@@ -178,8 +178,8 @@ TEST(Cost, BothTermsAreAdded) {
 }
 
 TEST(SmoothRows, ByHand) {
-  const cv::Mat1b image = (cv::Mat1b(2, 4) << 8, 0, 0, 0, 0, 0, 255, 255);
-  const cv::Mat1b expected = (cv::Mat1b(2, 4) << 6, 2, 0, 0, 0, 64, 191, 255);
+  const cv::Mat1b image = (cv::Mat1b(2, 4) << 8, 0, 0, 40, 0, 0, 255, 255);
+  const cv::Mat1b expected = (cv::Mat1b(2, 4) << 6, 2, 10, 30, 0, 64, 191, 255);
   cv::Mat1b smooth;
   smooth_rows(image, cv::Range::all(), smooth);
   EXPECT_TRUE(same("smooth", expected, smooth));
@@ -214,6 +214,12 @@ TEST(SmoothBinomial, BordersAreReplicated) {
   EXPECT_EQ(smooth(2, 1), (200 * 1 * 5 + 128) >> 8);
   EXPECT_EQ(smooth(3, 0), 0);
   EXPECT_EQ(smooth(5, 6), 0);
+  image(0, 0) = 0;
+  image(5, 6) = 200;
+  smooth_binomial(image, cv::Range::all(), smooth);
+  EXPECT_EQ(smooth(5, 6), (200 * 121 + 128) >> 8);
+  EXPECT_EQ(smooth(4, 6), (200 * 11 * 5 + 128) >> 8);
+  EXPECT_EQ(smooth(5, 4), (200 * 11 * 1 + 128) >> 8);
   for (const cv::Size size : {cv::Size(1, 1), {1, 7}, {2, 2}, {8, 1}}) {
     const cv::Mat1b flat(size, std::uint8_t{255});
     smooth_binomial(flat, cv::Range::all(), smooth);
