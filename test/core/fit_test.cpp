@@ -149,10 +149,13 @@ TEST(Fit, LeavesOutPixelsThatAreNotKeptOrDifferByTwo) {
   scene.kept(q) = 0;
   EXPECT_EQ(scene.offset(), 0);
   for (const int difference : {-2, 2}) {
-    Scene far;
-    far.selection.winner(q) = static_cast<std::uint8_t>(10 + difference);
-    far.set_distances(q, -1 - difference, {16, 0, 0});
-    EXPECT_EQ(far.offset(), 0) << difference;
+    for (const cv::Point step : {cv::Point(0, 1), cv::Point(4, 0)}) {
+      Scene far;
+      const cv::Point other = kPixel + step;
+      far.selection.winner(other) = static_cast<std::uint8_t>(10 + difference);
+      far.set_distances(other, -1 - difference, {16, 0, 16});
+      EXPECT_EQ(far.offset(), 0) << difference << " at " << step;
+    }
   }
 }
 

@@ -238,7 +238,9 @@ TEST(ReferencePipeline, ForgetsEarlierFrames) {
       const StereoRectification r = identity_for(size);
       ReferencePipeline fresh;
       const Taps& expected = fresh.process(pair.left, pair.right, r, p, 2);
-      ASSERT_TRUE(same(expected, used.process(pair.left, pair.right, r, p, 2), {p, seed, "used"}));
+      const Taps& taps = used.process(pair.left, pair.right, r, p, 2);
+      ASSERT_TRUE(same(expected, taps, {p, seed, "used"}));
+      ASSERT_EQ(taps.filled.empty(), !p.dense);
     }
   }
 }
