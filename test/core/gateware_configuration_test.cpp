@@ -180,6 +180,7 @@ TEST(GatewareConfiguration, RefusesWhatOnlySoftwareComputes) {
   Parameters other = window_parameters();
   other.sgm_p1 = other.cost_shift = 0;
   other.median_difference = 255;
+  other.sgm_build = SgmBuild::kSmall;
   EXPECT_EQ(refusal(other), "");
 }
 
