@@ -14,7 +14,7 @@
 namespace fpga_stereo::test {
 namespace {
 
-Parameters window_parameters(int census, CensusPattern pattern, int correlation) {
+Parameters census_parameters(int census, CensusPattern pattern, int correlation) {
   Parameters p = window_parameters();
   p.census_window_size = census;
   p.census_pattern = pattern;
@@ -26,15 +26,15 @@ template <class Model>
 Parameters build_parameters();
 template <>
 Parameters build_parameters<CensusSparse>() {
-  return window_parameters(11, CensusPattern::kSparse, 15);
+  return census_parameters(11, CensusPattern::kSparse, 15);
 }
 template <>
 Parameters build_parameters<CensusFull>() {
-  return window_parameters(11, CensusPattern::kFull, 15);
+  return census_parameters(11, CensusPattern::kFull, 15);
 }
 template <>
 Parameters build_parameters<CensusSmall>() {
-  return window_parameters(7, CensusPattern::kSparse, 5);
+  return census_parameters(7, CensusPattern::kSparse, 5);
 }
 
 struct Images {
