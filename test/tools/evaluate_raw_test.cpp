@@ -105,6 +105,11 @@ TEST_F(Board, OffsetIsAdded) {
   EXPECT_NEAR(measure().pitch, 0.025 * 100 / 124, 1e-9);
 }
 
+TEST_F(Board, NeighboursAlongRowsAndColumns) {
+  reprojection_.fy = 250;  // squares are 25 x 50 mm: 20 neighbours along rows, 18 along columns
+  EXPECT_NEAR(measure().pitch, (20 * 0.025 + 18 * 0.05) / 38, 1e-9);
+}
+
 TEST_F(Board, SlantedPlaneIsFlat) {
   for (int y = 0; y < disparity_.rows; ++y) {
     for (int x = 0; x < disparity_.cols; ++x) disparity_(y, x) = units(100 + x / 8.0 - y / 16.0);
