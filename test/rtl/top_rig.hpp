@@ -31,7 +31,7 @@ inline std::ostream& operator<<(std::ostream& out, const TopBuild& build) {
 
 inline TopBuild top_build(const std::string& name, const std::string& numbers, int disparities,
                           int census, CensusPattern pattern, int correlation) {
-  TopBuild build{name, numbers, {}};
+  TopBuild build{name, numbers, window_parameters()};
   build.parameters.disparity_range = disparities;
   build.parameters.census_window_size = census;
   build.parameters.census_pattern = pattern;
