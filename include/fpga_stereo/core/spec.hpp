@@ -40,7 +40,8 @@ constexpr std::array<Stage, kNumGatewareStages> kGatewareStages{
 // clang-format on
 /// Returns the name of a stage of the gateware.
 constexpr const char* gateware_stage_name(int signature) {
-  return kStageNames[static_cast<std::size_t>(kGatewareStages[static_cast<std::size_t>(signature)])];
+  const Stage stage = kGatewareStages[static_cast<std::size_t>(signature)];
+  return kStageNames[static_cast<std::size_t>(stage)];
 }
 
 constexpr int kDisparityScale = 32;                         // units of a disparity per px
