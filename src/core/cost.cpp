@@ -3,16 +3,11 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "core/popcount.hpp"
 #include "core/sgm_images.hpp"
 #include "core/stages.hpp"
 
 namespace fpga_stereo {
-namespace {
-
-int popcount(std::uint32_t word) { return __builtin_popcount(word); }
-
-}  // namespace
-
 void Cost::start(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat& left_bits,
                  const cv::Mat& right_bits, const Parameters& p, int first_row) {
   CV_Assert(left_bits.type() == CV_32SC1 && right_bits.type() == CV_32SC1);

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <opencv2/core.hpp>
 
+#include "core/popcount.hpp"
 #include "core/stages.hpp"
 
 namespace fpga_stereo {
@@ -42,7 +43,7 @@ void fit_subpixel(const cv::Mat& left_bits, const cv::Mat& right_bits, const Sel
     for (int k = 0; k < 5; ++k) {
       const int d = s.winner(y, x) + k - 2;
       const bool is_seen = d >= 0 && d <= last && x - d >= 0;
-      five[k] = is_seen ? __builtin_popcount(left[x] ^ right[x - d]) : kSgmCensusBits / 2;
+      five[k] = is_seen ? static_cast<int>(popcount(left[x] ^ right[x - d])) : kSgmCensusBits / 2;
     }
     return five;
   };

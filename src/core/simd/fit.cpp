@@ -107,24 +107,32 @@ struct Shifted {
   }
 };
 
-void add_distances(const std::uint8_t* winner, const std::uint8_t* other_winner, int width,
-                   const std::uint8_t* const distances[5], std::uint8_t* const columns[5]) {
+void sum_columns(const std::uint8_t* winner, const std::uint8_t* kept, int width,
+                 const FitColumns& from, std::uint8_t* const columns[5]) {
   const Bytes d;
-  const int step = static_cast<int>(hn::Lanes(d));
+  const int step = static_cast<int>(hn::Lanes(d)), rows = from.rows;
   for (int x = 0; x < width; x += step) {
-    const Shifted shifted(hn::LoadU(d, winner + x), hn::LoadU(d, other_winner + x));
-    const auto h0 = hn::LoadU(d, distances[0] + x), h1 = hn::LoadU(d, distances[1] + x),
-               h2 = hn::LoadU(d, distances[2] + x), h3 = hn::LoadU(d, distances[3] + x),
-               h4 = hn::LoadU(d, distances[4] + x);
-    const auto add = [&](int k, VBytes before, VBytes here, VBytes after) HWY_ATTR {
-      std::uint8_t* const sum = columns[k] + x;
-      hn::StoreU(hn::Add(hn::LoadU(d, sum), shifted.choose(before, here, after)), d, sum);
-    };
-    add(0, h0, h0, h1);
-    add(1, h0, h1, h2);
-    add(2, h1, h2, h3);
-    add(3, h2, h3, h4);
-    add(4, h3, h4, h4);
+    const auto here = hn::LoadU(d, winner + x);
+    auto sum0 = hn::Zero(d), sum1 = sum0, sum2 = sum0, sum3 = sum0, sum4 = sum0;
+    for (int row = 0; row < rows; ++row) {
+      const Shifted shifted(here, hn::LoadU(d, from.winner[row] + x));
+      const std::uint8_t* const h = from.distances[row] + x;
+      const auto h0 = hn::LoadU(d, h), h1 = hn::LoadU(d, h + from.pitch),
+                 h2 = hn::LoadU(d, h + 2 * from.pitch), h3 = hn::LoadU(d, h + 3 * from.pitch),
+                 h4 = hn::LoadU(d, h + 4 * from.pitch);
+      sum0 = hn::Add(sum0, shifted.choose(h0, h0, h1));
+      sum1 = hn::Add(sum1, shifted.choose(h0, h1, h2));
+      sum2 = hn::Add(sum2, shifted.choose(h1, h2, h3));
+      sum3 = hn::Add(sum3, shifted.choose(h2, h3, h4));
+      sum4 = hn::Add(sum4, shifted.choose(h3, h4, h4));
+    }
+    // Pixels that are not kept add nothing to their row.
+    const auto mask = hn::Sub(hn::Zero(d), hn::LoadU(d, kept + x));
+    hn::StoreU(hn::And(sum0, mask), d, columns[0] + x);
+    hn::StoreU(hn::And(sum1, mask), d, columns[1] + x);
+    hn::StoreU(hn::And(sum2, mask), d, columns[2] + x);
+    hn::StoreU(hn::And(sum3, mask), d, columns[3] + x);
+    hn::StoreU(hn::And(sum4, mask), d, columns[4] + x);
   }
 }
 
@@ -240,7 +248,7 @@ namespace fpga_stereo::simd {
 
 HWY_EXPORT(interleave_planes);
 HWY_EXPORT(winner_distances);
-HWY_EXPORT(add_distances);
+HWY_EXPORT(sum_columns);
 HWY_EXPORT(fit_row);
 HWY_EXPORT(whole_row);
 
@@ -248,9 +256,9 @@ void interleave_planes(const std::uint8_t* plane, std::ptrdiff_t plane_pitch, in
                        std::uint16_t* bits) {
   HWY_DYNAMIC_DISPATCH(interleave_planes)(plane, plane_pitch, width, bits);
 }
-void add_distances(const std::uint8_t* winner, const std::uint8_t* other_winner, int width,
-                   const std::uint8_t* const distances[5], std::uint8_t* const columns[5]) {
-  HWY_DYNAMIC_DISPATCH(add_distances)(winner, other_winner, width, distances, columns);
+void sum_columns(const std::uint8_t* winner, const std::uint8_t* kept, int width,
+                 const FitColumns& from, std::uint8_t* const columns[5]) {
+  HWY_DYNAMIC_DISPATCH(sum_columns)(winner, kept, width, from, columns);
 }
 void fit_row(const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
              const std::uint8_t* const columns[5], std::uint16_t* disparity) {
@@ -280,7 +288,7 @@ void Fit::start(const CensusPlanes& left, const CensusPlanes& right, const ByteI
   kept_ = &kept;
   parameters_ = p;
   row_ = first_row;
-  distances_.create(left.width, 2 * kFitRadiusY + 1);
+  distances_.create(left.width, kFitRows);
   columns_.create(left.width, 1);
   left_bits_.resize(static_cast<std::size_t>(left.width) + kBorder);
   // A winner may point 2 px beyond either end of the right image, and up to 256 px before it.
@@ -291,7 +299,7 @@ void Fit::start(const CensusPlanes& left, const CensusPlanes& right, const ByteI
 /// Computes the distances of a row that enters the window.
 void Fit::enter(int y) {
   if (!parameters_.subpixel || y >= left_->height) return;
-  const int width = left_->width, slot = y % (2 * kFitRadiusY + 1);
+  const int width = left_->width, slot = y % kFitRows;
   std::uint16_t* const right = right_bits_.data() + 256 + kBorder;
   interleave_planes(left_->row(y), left_->pitch, width, left_bits_.data());
   interleave_planes(right_->row(y), right_->pitch, width, right);
@@ -309,20 +317,15 @@ void Fit::next(std::uint16_t* disparity) {
   enter(y + kFitRadiusY);
   std::uint8_t* const columns[5] = {columns_.row(0, 0), columns_.row(0, 1), columns_.row(0, 2),
                                     columns_.row(0, 3), columns_.row(0, 4)};
-  for (std::uint8_t* column : columns) std::fill_n(column, width, std::uint8_t{0});
+  FitColumns from;
+  from.pitch = distances_.pitch();
   const int last = std::min(y + kFitRadiusY, left_->height - 1);
-  for (int v = std::max(y - kFitRadiusY, 0); v <= last; ++v) {
-    const int slot = v % (2 * kFitRadiusY + 1);
-    const std::uint8_t* const distances[5] = {distances_.row(slot, 0), distances_.row(slot, 1),
-                                              distances_.row(slot, 2), distances_.row(slot, 3),
-                                              distances_.row(slot, 4)};
-    add_distances(winner, winner_->image[v], width, distances, columns);
+  for (int v = std::max(y - kFitRadiusY, 0); v <= last; ++v, ++from.rows) {
+    from.winner[from.rows] = winner_->image[v];
+    from.distances[from.rows] = distances_.row(v % kFitRows, 0);
   }
-  // Pixels that are not kept add nothing to their row.
-  for (std::uint8_t* column : columns) {
-    for (int x = 0; x < width; ++x) column[x] = static_cast<std::uint8_t>(column[x] * kept[x]);
-    std::fill_n(column + width, kBorder, std::uint8_t{0});
-  }
+  sum_columns(winner, kept, width, from, columns);
+  for (std::uint8_t* column : columns) std::fill_n(column + width, kBorder, std::uint8_t{0});
   fit_row(winner, kept, width, parameters_.disparity_range, columns, disparity);
 }
 

@@ -11,6 +11,8 @@
 
 namespace fpga_stereo::simd {
 
+constexpr int kFitRows = 2 * kFitRadiusY + 1;  // of the window
+
 /// Bytes of pixels, for stages that look at neighbours: winners, and 1 where a pixel is kept. The
 /// border holds 0.
 struct ByteImage : BorderedImage<std::uint8_t> {
@@ -23,6 +25,8 @@ class FiveRows {
   void create(int width, int rows);
   /// Returns value k = 0 .. 4 of pixel 0.
   std::uint8_t* row(int row, int k) { return bytes_[5 * row + k] + kBorder; }
+  /// Returns the bytes from a value to the next one.
+  std::ptrdiff_t pitch() const { return static_cast<std::ptrdiff_t>(bytes_.step[0]); }
 
  private:
   cv::Mat1b bytes_;
@@ -44,7 +48,7 @@ class Fit {
   const ByteImage *winner_ = nullptr, *kept_ = nullptr;
   Parameters parameters_;
   int row_ = 0;
-  FiveRows distances_;  // of the rows of the window: row y at y % (2 kFitRadiusY + 1)
+  FiveRows distances_;  // of the rows of the window: row y at y % kFitRows
   FiveRows columns_;    // sums along the columns, of one row
   std::vector<std::uint16_t> left_bits_, right_bits_;  // of one row; right has a border
 };
@@ -58,9 +62,16 @@ void interleave_planes(const std::uint8_t* plane, std::ptrdiff_t plane_pitch, in
 void winner_distances(const std::uint16_t* left, const std::uint16_t* right,
                       const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
                       std::uint8_t* const out[5]);
-/// Adds the distances of a row of the window to the sums of the columns.
-void add_distances(const std::uint8_t* winner, const std::uint8_t* other_winner, int width,
-                   const std::uint8_t* const distances[5], std::uint8_t* const columns[5]);
+/// The rows of the window of a pixel.
+struct FitColumns {
+  int rows = 0;
+  const std::uint8_t* winner[kFitRows];
+  const std::uint8_t* distances[kFitRows];  // value 0 of each row; the others are `pitch` apart
+  std::ptrdiff_t pitch;                     // bytes
+};
+/// Sums distances along the columns, 0 where not kept.
+void sum_columns(const std::uint8_t* winner, const std::uint8_t* kept, int width,
+                 const FitColumns& from, std::uint8_t* const columns[5]);
 /// Sums of columns -> disparities.
 void fit_row(const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
              const std::uint8_t* const columns[5], std::uint16_t* disparity);

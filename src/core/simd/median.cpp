@@ -61,47 +61,58 @@ void median_row(const std::uint16_t* const rows[5], int width, std::uint16_t* ou
   }
 }
 
-/// greys[j] and rows[j] are those of row -4, -2, 0, 2, 4 of the window, null outside the image.
-void masked_median_row(const std::uint8_t* const greys[5], const std::uint16_t* const rows[5],
-                       int max_difference, int width, std::uint16_t* out) {
+/// The pixels x .. of the first median. With kEdge, some taps may lie outside the image.
+template <bool kEdge>
+HWY_INLINE VWords masked_median_at(const MedianRows& in, int x) {
   const Words d;
   const Greys d8;
   const hn::RebindToSigned<Words> di;
   const hn::RebindToSigned<Greys> di8;
-  const int step = static_cast<int>(hn::Lanes(d));
-  const auto limit = hn::Set(d8, static_cast<std::uint8_t>(max_difference));
-  const auto number = hn::Iota(d, std::uint16_t{0});
-  for (int x = 0; x < width; x += step) {
-    const auto centre = hn::LoadU(d8, greys[2] + x);
-    Taps taps;
-    // Excluded values count as the smallest and the largest in turn, so that the median of all taps
-    // is that of the others.
-    auto filler = hn::Zero(d);
-    std::size_t n = 0;
-    for (int j = 0; j < 5; ++j) {
-      for (int i = -kMaskedMedianRadiusX; i <= kMaskedMedianRadiusX; i += kMaskedMedianStepX) {
-        auto included = hn::Zero(d);
-        auto value = filler;
-        if (greys[j] != nullptr) {
-          const auto grey = hn::LoadU(d8, greys[j] + x + i);
-          const auto difference =
-              hn::Or(hn::SaturatedSub(grey, centre), hn::SaturatedSub(centre, grey));
-          const auto is_similar = hn::Eq(hn::SaturatedSub(difference, limit), hn::Zero(d8));
-          const auto similar = hn::BitCast(di8, hn::VecFromMask(d8, is_similar));
-          included = hn::BitCast(d, hn::PromoteTo(di, similar));
-          value = hn::LoadU(d, rows[j] + x + i);
-        }
-        if (x + i < 0 || x + i + step > width) {
-          const auto column =
-              hn::Add(number, hn::Set(d, static_cast<std::uint16_t>(x + i)));  // < 0: large
-          const auto is_inside = hn::Lt(column, hn::Set(d, static_cast<std::uint16_t>(width)));
-          included = hn::And(included, hn::VecFromMask(d, is_inside));
-        }
-        taps.set(n++, hn::IfThenElse(hn::MaskFromVec(included), value, filler));
-        filler = hn::Not(hn::Xor(filler, included));
+  const auto limit = hn::Set(d8, static_cast<std::uint8_t>(in.max_difference));
+  const auto centre = hn::LoadU(d8, in.greys[2] + x);
+  Taps taps;
+  // Excluded values count as the smallest and the largest in turn, so that the median of all taps
+  // is that of the others.
+  auto filler = hn::Zero(d);
+  std::size_t n = 0;
+  for (int j = 0; j < 5; ++j) {
+    const bool is_row = !kEdge || in.greys[j] != nullptr;
+    for (int i = -kMaskedMedianRadiusX; i <= kMaskedMedianRadiusX; i += kMaskedMedianStepX) {
+      auto included = hn::Zero(d);
+      auto value = filler;
+      if (is_row) {
+        const auto grey = hn::LoadU(d8, in.greys[j] + x + i);
+        const auto difference =
+            hn::Or(hn::SaturatedSub(grey, centre), hn::SaturatedSub(centre, grey));
+        const auto is_similar = hn::Eq(hn::SaturatedSub(difference, limit), hn::Zero(d8));
+        const auto similar = hn::BitCast(di8, hn::VecFromMask(d8, is_similar));
+        included = hn::BitCast(d, hn::PromoteTo(di, similar));
+        value = hn::LoadU(d, in.disparities[j] + x + i);
       }
+      if constexpr (kEdge) {
+        // A column left of the image is a large number.
+        const auto column = hn::Iota(d, static_cast<std::uint16_t>(x + i));
+        const auto is_inside = hn::Lt(column, hn::Set(d, static_cast<std::uint16_t>(in.width)));
+        included = hn::And(included, hn::VecFromMask(d, is_inside));
+      }
+      taps.set(n++, hn::IfThenElse(hn::MaskFromVec(included), value, filler));
+      filler = hn::Not(hn::Xor(filler, included));
     }
-    hn::StoreU(taps.median(), d, out + x);
+  }
+  return taps.median();
+}
+
+void masked_median_row(const MedianRows& in_rows, std::uint16_t* out) {
+  const MedianRows in = in_rows;
+  const Words d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  bool has_all_rows = true;
+  for (const std::uint8_t* grey : in.greys) has_all_rows = has_all_rows && grey != nullptr;
+  for (int x = 0; x < in.width; x += step) {
+    const bool is_inside =
+        has_all_rows && x >= kMaskedMedianRadiusX && x + step + kMaskedMedianRadiusX <= in.width;
+    hn::StoreU(is_inside ? masked_median_at<false>(in, x) : masked_median_at<true>(in, x), d,
+               out + x);
   }
 }
 
@@ -118,16 +129,16 @@ void masked_median(const CensusImage& left, const DisparityImage& in, const Para
                    cv::Range rows, DisparityImage& out) {
   const int height = in.image.rows;
   for (int y = rows.start; y < rows.end; ++y) {
-    const std::uint8_t* greys[5];
-    const std::uint16_t* disparities[5];
+    MedianRows lines{};
+    lines.width = in.image.cols;
+    lines.max_difference = p.median_difference;
     for (int j = 0; j < 5; ++j) {
       const int v = y - kMaskedMedianRadiusY + j * kMaskedMedianStepY;
-      const bool is_inside = v >= 0 && v < height;
-      greys[j] = is_inside ? left.image[v] : nullptr;
-      disparities[j] = is_inside ? in.image[v] : nullptr;
+      if (v < 0 || v >= height) continue;
+      lines.greys[j] = left.image[v];
+      lines.disparities[j] = in.image[v];
     }
-    HWY_DYNAMIC_DISPATCH(masked_median_row)
-    (greys, disparities, p.median_difference, in.image.cols, out.image[y]);
+    HWY_DYNAMIC_DISPATCH(masked_median_row)(lines, out.image[y]);
   }
 }
 

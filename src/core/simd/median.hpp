@@ -18,4 +18,11 @@ void replicate_columns(DisparityImage& image, cv::Range rows);
 /// The SIMD form of fpga_stereo::median().
 void median(const DisparityImage& in, cv::Range rows, DisparityImage& out);
 
+/// What a row of the first median looks at: rows -4, -2, 0, 2, 4, null outside the image.
+struct MedianRows {
+  const std::uint8_t* greys[5];
+  const std::uint16_t* disparities[5];
+  int width, max_difference;
+};
+
 }  // namespace fpga_stereo::simd
