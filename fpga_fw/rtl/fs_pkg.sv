@@ -231,7 +231,7 @@ package fs_pkg;
 
   // SPECKLE_SIZE (rw): speckle drops regions of fewer pixels; 0 turns it off; up to SpeckleMax
   localparam logic [7:0] RegSpeckleSize = 8'h16;
-  localparam logic [31:0] RegSpeckleSizeReset = 32'h0000003C;
+  localparam logic [31:0] RegSpeckleSizeReset = 32'h00000028;
   localparam int SpeckleSizePixelsLsb = 0;
   localparam int SpeckleSizePixelsBits = 10;
 

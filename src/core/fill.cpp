@@ -9,19 +9,16 @@ void fill(cv::Range rows, cv::Mat1w& disparity) {
   // kNoDisparity is the largest value, so min() prefers a disparity.
   static_assert(kNoDisparity == 0xFFFF);
   if (rows == cv::Range::all()) rows = {0, disparity.rows};
-  const int width = disparity.cols;
-  std::vector<std::uint16_t> nearest_left(width);
   for (int y = rows.start; y < rows.end; ++y) {
-    std::uint16_t* row = disparity[y];
-    std::uint16_t nearest = kNoDisparity;
-    for (int x = 0; x < width; ++x) {
-      if (row[x] != kNoDisparity) nearest = row[x];
-      nearest_left[x] = nearest;
-    }
-    nearest = kNoDisparity;
-    for (int x = width - 1; x >= 0; --x) {
-      if (row[x] != kNoDisparity) nearest = row[x];
-      row[x] = std::min(nearest_left[x], nearest);
+    std::uint16_t *const begin = disparity[y], *const end = begin + disparity.cols;
+    std::uint16_t left = kNoDisparity;
+    for (std::uint16_t* gap = std::find(begin, end, kNoDisparity); gap != end;) {
+      if (gap != begin) left = gap[-1];
+      std::uint16_t* const gap_end =
+          std::find_if(gap, end, [](std::uint16_t d) { return d != kNoDisparity; });
+      const std::uint16_t right = gap_end == end ? kNoDisparity : *gap_end;
+      std::fill(gap, gap_end, std::min(left, right));
+      gap = std::find(gap_end, end, kNoDisparity);
     }
   }
 }

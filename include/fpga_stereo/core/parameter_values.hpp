@@ -52,11 +52,11 @@ struct Parameters {
   int correlation_window_size = 15;
   /// Limit of the grey difference in the cost of a pixel; 0: only census bits count (no unit, 0 to
   /// 31).
-  int cost_difference_limit = 8;
+  int cost_difference_limit = 24;
   /// Each step halves the weight of the grey difference against that of a census bit (bit, 0 to 4).
   int cost_difference_shift = 2;
   /// Cost of a pixel whose counterpart would lie outside the right image (no unit, 0 to 31).
-  int cost_outside = 6;
+  int cost_outside = 5;
   /// Each step halves the matching cost against the penalties (bit, 0 to 6).
   int cost_shift = 2;
   /// Penalty for a disparity step of 1 px between neighbours; not the P1 of stereo_image_proc (no
@@ -70,7 +70,7 @@ struct Parameters {
   int sgm_p2_strong_edge = 7;
   /// Grey difference of neighbours, in the smoothed image, from which there is an edge (no unit, 0
   /// to 255).
-  int sgm_edge = 6;
+  int sgm_edge = 5;
   /// Grey difference from which the edge is strong (no unit, 0 to 255).
   int sgm_strong_edge = 14;
   /// Drop pixels where the search from the right image disagrees.
@@ -84,12 +84,12 @@ struct Parameters {
   /// Refine disparities to 1/32 px; otherwise whole pixels.
   bool subpixel = true;
   /// Drop connected regions of fewer pixels; 0 turns the filter off (px, 0 to 1000).
-  int speckle_size = 60;
+  int speckle_size = 40;
   /// Largest disparity step between neighbours of one region (px, 0 to 31).
   int speckle_range = 1;
   /// The median of a pixel includes those whose grey value differs by no more than this (no unit, 0
   /// to 255).
-  int median_difference = 6;
+  int median_difference = 8;
 };
 
 // clang-format off

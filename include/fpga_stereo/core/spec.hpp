@@ -111,9 +111,9 @@ constexpr int kSgmMaxPath = 15;                             // largest path cost
 constexpr int kSgmMinP2 = 6;                                // twice the largest matching cost
 constexpr int kFitRadiusX = 4;                              // px, window of the sub-pixel fit
 constexpr int kFitRadiusY = 5;                              // px
-constexpr int kFitDamping = 32;                             // pulls offsets towards 0
-constexpr int kMaskedMedianRadiusX = 8;                     // px, of the first median
-constexpr int kMaskedMedianStepX = 4;                       // px
+constexpr int kFitDamping = 64;                             // pulls offsets towards 0
+constexpr int kMaskedMedianRadiusX = 6;                     // px, of the first median
+constexpr int kMaskedMedianStepX = 6;                       // px
 constexpr int kMaskedMedianRadiusY = 4;                     // px, of the first median
 constexpr int kMaskedMedianStepY = 2;                       // px
 constexpr int kMedianRadius = 2;                            // px, of the second median
@@ -265,7 +265,7 @@ constexpr std::uint32_t kRegUniquenessReset = 0x00000154;
 constexpr Field kUniquenessFactor{0, 10};
 
 constexpr std::uint32_t kRegSpeckleSize = 0x16;
-constexpr std::uint32_t kRegSpeckleSizeReset = 0x0000003C;
+constexpr std::uint32_t kRegSpeckleSizeReset = 0x00000028;
 constexpr Field kSpeckleSizePixels{0, 10};
 
 constexpr std::uint32_t kRegSpeckleRange = 0x17;

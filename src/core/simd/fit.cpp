@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/popcount.hpp"
 #include "core/simd/fit.hpp"
 #include "core/simd/lanes-inl.hpp"
 
@@ -23,27 +24,39 @@ void interleave_planes(const std::uint8_t* plane, std::ptrdiff_t plane_pitch, in
   }
 }
 
-/// Stores value k of 16 pixels at out[k] + x, given 8 bytes per pixel in descending order of k:
-/// interleaving pixels that are 8, 4, 2 and 1 apart brings the values of each k together. Values of
-/// pixels that are not kept become 0.
-HWY_INLINE void store_by_value(const std::uint8_t* pixels, const std::uint8_t* kept, int x,
-                               std::uint8_t* const out[5]) {
+using BlockWords = hn::Repartition<std::uint16_t, Block8>;
+
+/// Returns the distances of pixel `x` as words in descending order of the disparity, 8 of which 5
+/// count. `right` points to the pixel that disparity 0 compares it with.
+HWY_INLINE hn::Vec<BlockWords> pixel_distances(std::uint16_t left, const std::uint16_t* right,
+                                               int winner) {
+  const BlockWords words;
+  const auto differing = hn::Xor(hn::Set(words, left), hn::LoadU(words, right - winner - 2));
+  const auto counts = hn::BitCast(words, hn::PopulationCount(hn::BitCast(Block8(), differing)));
+  return hn::Add(hn::And(counts, hn::Set(words, std::uint16_t{0xFF})), hn::ShiftRight<8>(counts));
+}
+
+/// Computes the distances of 16 pixels whose five disparities all exist. Interleaving pixels that
+/// are 8, 4, 2 and 1 apart brings the values of each disparity together.
+HWY_INLINE void distances_of_16(const std::uint16_t* left, const std::uint16_t* right,
+                                const std::uint8_t* winner, const std::uint8_t* kept, int x,
+                                std::uint8_t* const out[5]) {
   const Block8 d;
+  const auto pair = [&](int i) HWY_ATTR {  // pixels i and i + 8, interleaved
+    const int a = x + i, b = x + i + 8;
+    const auto low = pixel_distances(left[a], right + a, winner[a]);
+    const auto high = pixel_distances(left[b], right + b, winner[b]);
+    return hn::BitCast(d, hn::Or(low, hn::ShiftLeft<8>(high)));
+  };
   const auto low = [&](VBlock8 a, VBlock8 b) HWY_ATTR { return hn::InterleaveLower(d, a, b); };
   const auto high = [&](VBlock8 a, VBlock8 b) HWY_ATTR { return hn::InterleaveUpper(d, a, b); };
-  const auto load = [&](int pair) HWY_ATTR { return hn::LoadU(d, pixels + 16 * pair); };
-  const VBlock8 p01 = load(0), p23 = load(1), p45 = load(2), p67 = load(3), p89 = load(4),
-                p1011 = load(5), p1213 = load(6), p1415 = load(7);
-  const VBlock8 p0_8 = low(p01, p89), p1_9 = high(p01, p89);
-  const VBlock8 p2_10 = low(p23, p1011), p3_11 = high(p23, p1011);
-  const VBlock8 p4_12 = low(p45, p1213), p5_13 = high(p45, p1213);
-  const VBlock8 p6_14 = low(p67, p1415), p7_15 = high(p67, p1415);
-  const VBlock8 by4_0 = low(p0_8, p4_12), by4_2 = low(p2_10, p6_14);
-  const VBlock8 by4_1 = low(p1_9, p5_13), by4_3 = low(p3_11, p7_15);
-  const VBlock8 even = low(by4_0, by4_2), even_next = high(by4_0, by4_2);
-  const VBlock8 odd = low(by4_1, by4_3), odd_next = high(by4_1, by4_3);
-  const VBlock8 even_last = low(high(p0_8, p4_12), high(p2_10, p6_14));
-  const VBlock8 odd_last = low(high(p1_9, p5_13), high(p3_11, p7_15));
+  const VBlock8 p0 = pair(0), p1 = pair(1), p2 = pair(2), p3 = pair(3), p4 = pair(4), p5 = pair(5),
+                p6 = pair(6), p7 = pair(7);
+  const VBlock8 p04 = low(p0, p4), p26 = low(p2, p6), p15 = low(p1, p5), p37 = low(p3, p7);
+  const VBlock8 even = low(p04, p26), even_next = high(p04, p26);
+  const VBlock8 odd = low(p15, p37), odd_next = high(p15, p37);
+  const VBlock8 even_last = low(high(p0, p4), high(p2, p6));
+  const VBlock8 odd_last = low(high(p1, p5), high(p3, p7));
   const VBlock8 mask = hn::Sub(hn::Zero(d), hn::LoadU(d, kept + x));
   const auto store = [&](VBlock8 v, int k)
                          HWY_ATTR { hn::StoreU(hn::And(v, mask), d, out[k] + x); };
@@ -54,38 +67,41 @@ HWY_INLINE void store_by_value(const std::uint8_t* pixels, const std::uint8_t* k
   store(low(even_last, odd_last), 0);
 }
 
-/// Writes the distances of pixel `x` in descending order of the disparity, 8 bytes of which 5
-/// count.
-HWY_INLINE void pixel_distances(const std::uint16_t* left, const std::uint16_t* right, int x, int d,
-                                std::uint8_t* out) {
-  const hn::CappedTag<std::uint16_t, 8> words;
-  const hn::Rebind<std::uint8_t, decltype(words)> bytes;
-  const hn::RebindToSigned<decltype(words)> signed_words;
-  const Block8 block;
-  const auto differing = hn::Xor(hn::Set(words, left[x]), hn::LoadU(words, right + x - d - 2));
-  const auto counts = hn::BitCast(words, hn::PopulationCount(hn::BitCast(block, differing)));
-  const auto distance =
-      hn::Add(hn::And(counts, hn::Set(words, std::uint16_t{0xFF})), hn::ShiftRight<8>(counts));
-  hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(signed_words, distance)), bytes, out);
+/// Returns whether all five disparities of the 16 pixels from `x` on exist.
+HWY_INLINE bool all_exist(const std::uint8_t* winner, int x, int range) {
+  const Block8 d;
+  const auto winners = hn::LoadU(d, winner + x);
+  const auto column = hn::SaturatedAdd(hn::Set(d, static_cast<std::uint8_t>(std::min(x, 255))),
+                                       hn::Iota(d, std::uint8_t{0}));
+  const auto last = hn::Min(hn::Set(d, static_cast<std::uint8_t>(range - 1)), column);
+  const auto two = hn::Set(d, std::uint8_t{2});
+  const auto inside = hn::And(
+      hn::Eq(hn::Max(winners, two), winners),
+      hn::Eq(hn::Min(hn::SaturatedAdd(winners, two), last), hn::SaturatedAdd(winners, two)));
+  return hn::AllTrue(d, inside);
 }
 
 void winner_distances(const std::uint16_t* left, const std::uint16_t* right,
                       const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
                       std::uint8_t* const out[5]) {
   constexpr int kPixels = 16;
-  HWY_ALIGN std::uint8_t pixels[8 * kPixels] = {};
-  for (int x0 = 0; x0 < width; x0 += kPixels) {
-    const int count = std::min(kPixels, width - x0);
-    for (int i = 0; i < count; ++i) {
-      const int x = x0 + i, d = winner[x];
-      std::uint8_t* const distances = pixels + 8 * i;
-      pixel_distances(left, right, x, d, distances);
-      if (d >= 2 && d < range - 2 && d + 2 <= x) continue;
-      for (int k = -2; k <= 2; ++k) {
-        if (d + k < 0 || d + k >= range || d + k > x) distances[2 - k] = kSgmCensusBits / 2;
+  int x = 0;
+  while (x < width) {
+    if (x + kPixels <= width && all_exist(winner, x, range)) {
+      distances_of_16(left, right, winner, kept, x, out);
+      x += kPixels;
+      continue;
+    }
+    for (const int end = std::min(x + kPixels, width); x < end; ++x) {
+      for (int k = 0; k < 5; ++k) {
+        const int disparity = winner[x] + k - 2;
+        const bool exists = disparity >= 0 && disparity < range && disparity <= x;
+        const std::uint32_t distance =
+            exists ? popcount(static_cast<std::uint32_t>(left[x] ^ right[x - disparity]))
+                   : std::uint32_t{kSgmCensusBits / 2};
+        out[k][x] = static_cast<std::uint8_t>(distance * kept[x]);
       }
     }
-    store_by_value(pixels, kept, x0, out);
   }
 }
 

@@ -19,9 +19,10 @@ using Words = hn::CappedTag<std::uint16_t, 16>;
 using Greys = hn::Rebind<std::uint8_t, Words>;
 using VWords = hn::Vec<Words>;
 
-/// kMedianTaps vectors in memory: there are no arrays of vectors whose size is known at run time.
+/// kTaps vectors in memory, because some targets have no arrays of vectors.
+template <int kTaps>
 struct Taps {
-  HWY_ALIGN std::uint16_t lanes[kMedianTaps * hn::MaxLanes(Words())];
+  HWY_ALIGN std::uint16_t lanes[kTaps * hn::MaxLanes(Words())];
 
   HWY_INLINE std::uint16_t* tap(std::size_t i) { return lanes + i * hn::MaxLanes(Words()); }
   HWY_INLINE VWords get(std::size_t i) { return hn::Load(Words(), tap(i)); }
@@ -29,7 +30,7 @@ struct Taps {
 
   template <std::size_t kStep>
   HWY_INLINE void exchange() {
-    constexpr CompareExchange kExchange = kMedianNetwork.steps[kStep];
+    constexpr CompareExchange kExchange = kMedianNetwork<kTaps>.steps[kStep];
     constexpr auto kLow = static_cast<std::size_t>(kExchange.low);
     constexpr auto kHigh = static_cast<std::size_t>(kExchange.high);
     const VWords a = get(kLow), b = get(kHigh);
@@ -41,16 +42,17 @@ struct Taps {
     (exchange<kSteps>(), ...);
   }
   HWY_INLINE VWords median() {
-    exchange_all(std::make_index_sequence<kMedianNetwork.size>());
-    return get(kMedianTaps / 2);
+    exchange_all(std::make_index_sequence<kMedianNetwork<kTaps>.size>());
+    return get(kTaps / 2);
   }
 };
 
 void median_row(const std::uint16_t* const rows[5], int width, std::uint16_t* out) {
+  constexpr int kSide = 2 * kMedianRadius + 1;
   const Words d;
   const int step = static_cast<int>(hn::Lanes(d));
   for (int x = 0; x < width; x += step) {
-    Taps taps;
+    Taps<kSide * kSide> taps;
     std::size_t n = 0;
     for (int j = 0; j < 5; ++j) {
       for (int i = -kMedianRadius; i <= kMedianRadius; ++i) {
@@ -70,7 +72,7 @@ HWY_INLINE VWords masked_median_at(const MedianRows& in, int x) {
   const hn::RebindToSigned<Greys> di8;
   const auto limit = hn::Set(d8, static_cast<std::uint8_t>(in.max_difference));
   const auto centre = hn::LoadU(d8, in.greys[2] + x);
-  Taps taps;
+  Taps<15> taps;
   // Excluded values count as the smallest and the largest in turn, so that the median of all taps
   // is that of the others.
   auto filler = hn::Zero(d);

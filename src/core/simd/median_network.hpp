@@ -1,14 +1,12 @@
-// A network of compare-exchange steps that finds the median of 25 values: Batcher's merge exchange
-// sort (D. E. Knuth, "The Art of Computer Programming", vol. 3, 5.2.2, algorithm M), without the
-// steps that the median does not depend on.
+// Networks of compare-exchange steps that find a median: Batcher's merge exchange sort (D. E.
+// Knuth, "The Art of Computer Programming", vol. 3, 5.2.2, algorithm M), without the steps that the
+// median does not depend on.
 #pragma once
 
 #include <array>
 #include <cstddef>
 
 namespace fpga_stereo::simd {
-
-constexpr int kMedianTaps = 25;
 
 /// The smaller value goes to `low`, the larger to `high`, if anything depends on them.
 struct CompareExchange {
@@ -21,13 +19,15 @@ struct MedianNetwork {
   std::size_t size = 0;
 };
 
-constexpr MedianNetwork make_median_network() {
+/// Returns the network for an odd number of values, at least 3 and at most 25.
+constexpr MedianNetwork make_median_network(int taps) {
   MedianNetwork sort;
-  constexpr int kTop = 16;  // the largest power of 2 below kMedianTaps
-  for (int p = kTop; p > 0; p /= 2) {
-    int q = kTop, r = 0, distance = p;
+  int top = 1;  // the largest power of 2 below `taps`
+  while (2 * top < taps) top *= 2;
+  for (int p = top; p > 0; p /= 2) {
+    int q = top, r = 0, distance = p;
     while (true) {
-      for (int i = 0; i + distance < kMedianTaps; ++i) {
+      for (int i = 0; i + distance < taps; ++i) {
         if ((i & p) == r) sort.steps[sort.size++] = {i, i + distance, true, true};
       }
       if (q == p) break;
@@ -37,8 +37,8 @@ constexpr MedianNetwork make_median_network() {
     }
   }
   // Backwards: what do the steps after each one need?
-  std::array<bool, kMedianTaps> needed{};
-  needed[kMedianTaps / 2] = true;
+  std::array<bool, 25> needed{};
+  needed[static_cast<std::size_t>(taps / 2)] = true;
   MedianNetwork reversed;
   for (std::size_t i = sort.size; i-- > 0;) {
     CompareExchange step = sort.steps[i];
@@ -55,6 +55,7 @@ constexpr MedianNetwork make_median_network() {
   return network;
 }
 
-constexpr MedianNetwork kMedianNetwork = make_median_network();
+template <int kTaps>
+constexpr MedianNetwork kMedianNetwork = make_median_network(kTaps);
 
 }  // namespace fpga_stereo::simd

@@ -98,9 +98,10 @@ struct RightPixels {
   HWY_INLINE void add(const std::uint8_t* sums, VBytes number) {
     const Bytes d;
     const auto candidate = hn::LoadU(d, sums);
+    const auto smaller = hn::Min(sum, candidate);
     // Of equal sums, the left pixel further left stays.
-    partner = hn::IfThenElse(hn::Lt(candidate, sum), number, partner);
-    sum = hn::Min(sum, candidate);
+    partner = hn::IfThenElse(hn::Eq(smaller, sum), partner, number);
+    sum = smaller;
   }
 };
 
@@ -117,16 +118,22 @@ void select_right_pixels(const PathSums& sums_in, std::uint8_t* right_winner) {
     const int end = std::min(first + 2 * step + sums.range - 1, sums.width);
     const std::uint8_t* sum = sums.column(first) + (sums.lanes - 1);
     auto number = hn::Set(d, static_cast<std::uint8_t>(first));
-    for (int x = first; x < end; ++x, sum += diagonal) {
-      // Beyond the lanes of this pixel and the kLaneGroup around them lies another pixel.
-      if (x < first + step + sums.range - 1) pixels.add(sum, number);
-      if (x >= first + step) next.add(sum + step, number);
-      number = hn::Add(number, one);
+    // Beyond the lanes of a pixel and the kLaneGroup around them lies another pixel, so each vector
+    // has left pixels of its own.
+    const int both = std::min(first + step, end);
+    const int last = std::min(first + step + sums.range - 1, end);
+    int x = first;
+    for (; x < both; ++x, sum += diagonal, number = hn::Add(number, one)) pixels.add(sum, number);
+    for (; x < last; ++x, sum += diagonal, number = hn::Add(number, one)) {
+      pixels.add(sum, number);
+      next.add(sum + step, number);
     }
-    const auto store = [&](const RightPixels& from, int x) HWY_ATTR {
-      const auto here =
-          hn::Add(hn::Set(d, static_cast<std::uint8_t>(x)), hn::Iota(d, std::uint8_t{0}));
-      hn::StoreU(hn::Sub(from.partner, here), d, right_winner + x);
+    for (; x < end; ++x, sum += diagonal, number = hn::Add(number, one)) {
+      next.add(sum + step, number);
+    }
+    const auto store = [&](const RightPixels& from, int pixel) HWY_ATTR {
+      const auto here = hn::Iota(d, static_cast<std::uint8_t>(pixel));
+      hn::StoreU(hn::Sub(from.partner, here), d, right_winner + pixel);
     };
     store(pixels, first);
     store(next, first + step);
