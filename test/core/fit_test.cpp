@@ -56,22 +56,31 @@ int offset_of(int before, int centre, int after) {
 }
 
 TEST(Fit, ByHand) {
-  EXPECT_EQ(offset_of(8, 4, 6), 2) << "depth 4: 32 * 2 / (8 + 32) = 1.6";
-  EXPECT_EQ(offset_of(6, 4, 8), -2);
-  EXPECT_EQ(offset_of(16, 0, 0), 8) << "depth 16: 32 * 16 / (32 + 32)";
-  EXPECT_EQ(offset_of(0, 0, 16), -8);
+  EXPECT_EQ(offset_of(8, 4, 6), 1) << "depth 4: 32 * 2 / (8 + 64) = 0.89";
+  EXPECT_EQ(offset_of(6, 4, 8), -1);
+  EXPECT_EQ(offset_of(16, 0, 0), 5) << "depth 16: 32 * 16 / (32 + 64) = 5.33";
+  EXPECT_EQ(offset_of(0, 0, 16), -5);
   EXPECT_EQ(offset_of(7, 2, 7), 0);
 }
 
+/// Returns the offset of two pixels of a column that have these distances each.
+int offset_of_two(int before, int centre, int after) {
+  Scene scene;
+  for (const cv::Point& pixel : {kPixel, kPixel + cv::Point(0, 1)}) {
+    scene.set_distances(pixel, -1, {before, centre, after});
+  }
+  return scene.offset();
+}
+
 TEST(Fit, RoundsHalfAwayFromZero) {
-  // Depth 16, so the offset is half the difference.
-  EXPECT_EQ(offset_of(16, 0, 15), 1) << "1/2";
-  EXPECT_EQ(offset_of(15, 0, 16), -1);
-  EXPECT_EQ(offset_of(16, 0, 13), 2) << "3/2";
-  EXPECT_EQ(offset_of(13, 0, 16), -2);
-  EXPECT_EQ(offset_of(16, 0, 14), 1);
-  EXPECT_EQ(offset_of(10, 1, 9), 1) << "depth 9: 32 / 50 = 0.64";
-  EXPECT_EQ(offset_of(16, 15, 16), 0);
+  // Depth 32, so the offset is half the difference of the distances.
+  EXPECT_EQ(offset_of_two(16, 0, 15), 1) << "1/2";
+  EXPECT_EQ(offset_of_two(15, 0, 16), -1);
+  EXPECT_EQ(offset_of_two(16, 0, 13), 2) << "3/2";
+  EXPECT_EQ(offset_of_two(13, 0, 16), -2);
+  EXPECT_EQ(offset_of_two(16, 0, 14), 1);
+  EXPECT_EQ(offset_of_two(10, 1, 9), 1) << "depth 18: 64 / 100 = 0.64";
+  EXPECT_EQ(offset_of_two(16, 15, 16), 0);
 }
 
 TEST(Fit, NoOffsetWithoutAMinimum) {
@@ -86,7 +95,7 @@ TEST(Fit, NoOffsetAtTheEndsOfTheRange) {
   for (int winner = 0; winner < 16; ++winner) {
     Scene scene(winner);
     scene.set_distances(kPixel, -1, {16, 0, 0});
-    EXPECT_EQ(scene.offset(), winner == 0 || winner == 15 ? 0 : 8) << winner;
+    EXPECT_EQ(scene.offset(), winner == 0 || winner == 15 ? 0 : 5) << winner;
   }
 }
 
@@ -103,7 +112,7 @@ TEST(Fit, MarksPixelsThatAreNotKept) {
   scene.set_distances(kPixel, -1, {16, 0, 0});
   const cv::Mat1w out = scene.disparities();
   EXPECT_EQ(cv::countNonZero(out != kNoDisparity), 1);
-  EXPECT_EQ(out(kPixel), 328);
+  EXPECT_EQ(out(kPixel), 325);
 }
 
 // A match outside the right image has distance 8.
@@ -111,7 +120,7 @@ TEST(Fit, OutsideTheRightImage) {
   Scene scene(10);
   scene.kept = 0;
   scene.kept(3, 10) = 1;  // d = 11 would be right pixel -1
-  EXPECT_EQ(scene.disparities()(3, 10), 320 - 5) << "depth 8: -32 * 8 / (16 + 32) = -5.33";
+  EXPECT_EQ(scene.disparities()(3, 10), 320 - 3) << "depth 8: -32 * 8 / (16 + 64) = -3.2";
 }
 
 // Pixel q has the same winner as kPixel, or one that differs by 1, so that its distances move by 1.
@@ -121,7 +130,7 @@ TEST(Fit, SumsDistancesAtTheSameDisparity) {
     const cv::Point q = kPixel + cv::Point(0, 3);
     scene.selection.winner(q) = static_cast<std::uint8_t>(10 + difference);
     scene.set_distances(q, -1 - difference, {12, 0, 6});  // at disparities 9, 10 and 11
-    EXPECT_EQ(scene.offset(), 3) << difference << ": 32 * 6 / (24 + 32) = 3.43";
+    EXPECT_EQ(scene.offset(), 2) << difference << ": 32 * 6 / (24 + 64) = 2.18";
   }
 }
 
@@ -137,7 +146,7 @@ TEST(Fit, RepeatsTheOutermostDistance) {
     scene.set_distances(kPixel, -1, {16, 0, 16});
     scene.set_distances(in_column, -2 * sign, {16});  // at disparity 10
     // At 10 + sign, 10 and 10 - sign: 0, 16 and, repeated, 16. With those of kPixel 16, 16 and 32.
-    EXPECT_EQ(scene.offset(), 8 * sign);
+    EXPECT_EQ(scene.offset(), 5 * sign);
   }
 }
 
@@ -145,7 +154,7 @@ TEST(Fit, LeavesOutPixelsThatAreNotKeptOrDifferByTwo) {
   const cv::Point q = kPixel + cv::Point(0, 1);
   Scene scene;
   scene.set_distances(q, -1, {16, 0, 0});
-  EXPECT_EQ(scene.offset(), 8);
+  EXPECT_EQ(scene.offset(), 5);
   scene.kept(q) = 0;
   EXPECT_EQ(scene.offset(), 0);
   for (const int difference : {-2, 2}) {
@@ -167,7 +176,7 @@ TEST(Fit, WindowIsNineByEleven) {
       for (int x = -6; x <= 6; ++x) scene.kept(kPixel + cv::Point(x, 0)) = 1;
       scene.set_distances(kPixel + cv::Point(dx, dy), -1, {16, 0, 0});
       const bool is_inside = std::abs(dx) <= 4 && std::abs(dy) <= 5;
-      EXPECT_EQ(scene.offset(), is_inside ? 8 : 0) << dx << ", " << dy;
+      EXPECT_EQ(scene.offset(), is_inside ? 5 : 0) << dx << ", " << dy;
     }
   }
 }
@@ -180,7 +189,7 @@ TEST(Fit, ReachesAPixelThroughTheRowOnly) {
   scene.kept(kPixel + cv::Point(0, 1)) = 1;
   EXPECT_EQ(scene.offset(), 0) << "(0, 1) is no way";
   scene.kept(kPixel + cv::Point(1, 0)) = 1;
-  EXPECT_EQ(scene.offset(), 8);
+  EXPECT_EQ(scene.offset(), 5);
   scene.selection.winner(kPixel + cv::Point(1, 0)) = 12;
   EXPECT_EQ(scene.offset(), 0) << "(1, 0) differs by 2";
 }
@@ -209,26 +218,26 @@ int offset_of_window(int before, int centre, int after) {
   return out(10, 30) - 32 * 9;
 }
 
-// The vertex of a V with slope a is (c(-1) - c(1)) / (2 a). Here the damping of 32 hardly counts.
+// The vertex of a V with slope a is (c(-1) - c(1)) / (2 a). Here the damping of 64 counts little.
 TEST(Fit, FindsTheVertexOfAV) {
   EXPECT_EQ(offset_of_window(8, 0, 8), 0);
-  // 33 pixels: slope 8, vertex 1/4: 32 * 33 * 4 / (2 * 33 * 8 + 32) = 7.54
-  EXPECT_EQ(offset_of_window(10, 2, 6), 8);
-  EXPECT_EQ(offset_of_window(6, 2, 10), -8);
-  // Vertex 1/2: 32 * 33 * 8 / (2 * 33 * 8 + 32) = 15.09
-  EXPECT_EQ(offset_of_window(12, 4, 4), 15);
-  EXPECT_EQ(offset_of_window(4, 4, 12), -15);
+  // 33 pixels: slope 8, vertex 1/4: 32 * 33 * 4 / (2 * 33 * 8 + 64) = 7.14
+  EXPECT_EQ(offset_of_window(10, 2, 6), 7);
+  EXPECT_EQ(offset_of_window(6, 2, 10), -7);
+  // Vertex 1/2: 32 * 33 * 8 / (2 * 33 * 8 + 64) = 14.27
+  EXPECT_EQ(offset_of_window(12, 4, 4), 14);
+  EXPECT_EQ(offset_of_window(4, 4, 12), -14);
 }
 
 TEST(Fit, ClampsTheOffsetToOnePixel) {
-  // Depth 33 * 1: 32 * 33 * 16 / (66 + 32) = 172.4.
+  // Depth 33 * 1: 32 * 33 * 16 / (66 + 64) = 130.
   EXPECT_EQ(offset_of_window(16, 15, 0), 32);
   EXPECT_EQ(offset_of_window(0, 15, 16), -32);
 }
 
 TEST(Fit, SlowlyRisingDistancesAreDamped) {
-  EXPECT_EQ(offset_of(1, 0, 0), 1) << "32 / (2 + 32) = 0.94 instead of 16";
-  EXPECT_EQ(offset_of(4, 0, 0), 3) << "128 / (8 + 32) = 3.2 instead of 16";
+  EXPECT_EQ(offset_of(1, 0, 0), 0) << "32 / (2 + 64) = 0.48 instead of 16";
+  EXPECT_EQ(offset_of(4, 0, 0), 2) << "128 / (8 + 64) = 1.78 instead of 16";
 }
 
 TEST(Fit, EqualsTheNaiveModel) {

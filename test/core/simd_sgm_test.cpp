@@ -145,6 +145,8 @@ TEST_P(SimdSgmStages, AggregateAndSelect) {
       simd::smooth_binomial(census_image(left), {0, size.height}, guide);
       simd::VerticalPaths vertical;
       vertical.start(size.width, p);
+      simd::VerticalCosts rows[2];
+      for (simd::VerticalCosts& row : rows) row.create(size.width, range);
       simd::HorizontalPaths horizontal;
       horizontal.start(size.width, p);
       simd::PathSumsBuffer buffer;
@@ -157,8 +159,8 @@ TEST_P(SimdSgmStages, AggregateAndSelect) {
       for (int y = 0; y < size.height; ++y) {
         const cv::Mat1b costs = random_costs(size.width, range, rng), lanes = by_lanes(costs);
         const cv::Mat1w& expected = aggregate.next(costs);
-        vertical.next(guide.image, y, lanes[0], sums);
-        horizontal.add(guide.image, y, lanes[0], sums);
+        vertical.next(guide.image, y, lanes[0], rows[(y + 1) % 2], rows[y % 2]);
+        horizontal.next(guide.image, y, lanes[0], rows[y % 2], sums);
         for (int x = 0; x < size.width; ++x) {
           for (int d = 0; d < range; ++d) {
             ASSERT_EQ(expected(d, x), sums.column(x)[sums.lanes - 1 - d])

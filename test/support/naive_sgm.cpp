@@ -202,7 +202,7 @@ cv::Mat1w fit_subpixel(const cv::Mat& left_bits, const cv::Mat& right_bits, cons
       const int depth = std::max(before, after) - window_sum({x, y}, 0);
       int offset = 0;
       if (p.subpixel && depth > 0 && winner > 0 && winner < p.disparity_range - 1) {
-        const int below = 2 * depth + 32;
+        const int below = 2 * depth + 64;
         const int size = (2 * 32 * std::abs(before - after) + below) / (2 * below);
         offset = std::min(size, 32) * (before < after ? -1 : 1);
       }
@@ -233,7 +233,7 @@ cv::Mat1w masked_median(const cv::Mat1b& left, const cv::Mat1w& disparity, const
     for (int x = 0; x < out.cols; ++x) {
       std::vector<std::uint16_t> values;
       for (const int dy : {-4, -2, 0, 2, 4}) {
-        for (const int dx : {-8, -4, 0, 4, 8}) {
+        for (const int dx : {-6, 0, 6}) {
           if (!inside(left, x + dx, y + dy)) continue;
           if (std::abs(left(y + dy, x + dx) - left(y, x)) > p.median_difference) continue;
           values.push_back(disparity(y + dy, x + dx));

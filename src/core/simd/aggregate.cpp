@@ -68,75 +68,73 @@ class Steps {
   VBytes below_, here_, here_p1_;  // with P1, without, with
 };
 
-/// With kPair, also the path from the upper right.
+/// With kPair, also the paths from the upper right. L is at most 18, and P2 at most 15, so N need
+/// not be limited to 15 as in the definition: min(N, P2) is the same.
 template <int kLanes, bool kPair>
-HWY_INLINE void vertical(const std::uint8_t* costs, const std::uint8_t* p2,
-                         const std::uint8_t* p2_right, int p1_in, std::uint8_t* paths,
-                         const PathSums& sums_in) {
+HWY_INLINE void vertical_paths_of(const PathRow row, const std::uint8_t* p2,
+                                  const std::uint8_t* p2_right, const std::uint8_t* above,
+                                  const std::uint8_t* smallest_above, std::uint8_t* vertical,
+                                  std::uint8_t* smallest) {
   constexpr int kPixels = 16;  // at a time: their smallest costs are found together
-  const PathSums sums = sums_in;
   const Bytes d;
-  const int lanes = kLanes > 0 ? kLanes : sums.lanes, step = static_cast<int>(hn::Lanes(d));
-  const auto p1 = hn::Set(d, static_cast<std::uint8_t>(p1_in));
-  const auto max_path = hn::Set(d, static_cast<std::uint8_t>(kSgmMaxPath));
+  const int lanes = kLanes > 0 ? kLanes : row.lanes, step = static_cast<int>(hn::Lanes(d));
+  const auto p1 = hn::Set(d, static_cast<std::uint8_t>(row.p1));
   HWY_ALIGN std::uint8_t blocks[16 * kPixels] = {};
-  HWY_ALIGN std::uint8_t smallest[kPixels];
-  for (int x0 = 0; x0 < sums.width; x0 += kPixels) {
-    const int count = std::min(kPixels, sums.width - x0);
-    for (int k = 0; k < count; ++k) {
-      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x0 + k) * lanes;
-      std::uint8_t* const out = sums.column(x0 + k);
-      const auto jump = hn::Set(d, p2[x0 + k]);
+  std::ptrdiff_t at = 0;
+  for (int x0 = 0; x0 < row.width; x0 += kPixels) {
+    const int end = std::min(x0 + kPixels, row.width);
+    std::uint8_t* block = blocks;
+    for (int x = x0; x < end; ++x, at += lanes, block += 16) {
+      const auto base = hn::Set(d, smallest_above[x]), jump = hn::Set(d, p2[x]);
       auto min = hn::Set(d, std::uint8_t{0xFF});
-      Steps<kLanes> steps(paths + at, lanes, p1);
+      Steps<kLanes> steps(above + at, lanes, p1);
       if constexpr (kPair) {
-        Steps<kLanes> steps_right(paths + at + lanes, lanes, p1);
-        const auto jump_right = hn::Set(d, p2_right[x0 + k]);
+        Steps<kLanes> steps_right(above + at + lanes, lanes, p1);
+        const auto base_right = hn::Set(d, smallest_above[x + 1]);
+        const auto jump_right = hn::Set(d, p2_right[x]);
         for (int i = 0; i < lanes; i += step) {
-          const auto best =
-              hn::Add(hn::Min(steps.next(i), jump), hn::Min(steps_right.next(i), jump_right));
-          const auto cost = hn::Add(hn::ShiftRightSame(best, 1), hn::LoadU(d, costs + at + i));
-          hn::StoreU(cost, d, out + i);
+          const auto straight = hn::Min(hn::Sub(steps.next(i), base), jump);
+          const auto diagonal = hn::Min(hn::Sub(steps_right.next(i), base_right), jump_right);
+          const auto best = hn::ShiftRightSame(hn::Add(straight, diagonal), 1);
+          const auto cost = hn::Add(best, hn::LoadU(d, row.costs + at + i));
+          hn::StoreU(cost, d, vertical + at + i);
           min = hn::Min(min, cost);
         }
       } else {
         for (int i = 0; i < lanes; i += step) {
-          const auto cost = hn::Add(hn::Min(steps.next(i), jump), hn::LoadU(d, costs + at + i));
-          hn::StoreU(cost, d, out + i);
+          const auto best = hn::Min(hn::Sub(steps.next(i), base), jump);
+          const auto cost = hn::Add(best, hn::LoadU(d, row.costs + at + i));
+          hn::StoreU(cost, d, vertical + at + i);
           min = hn::Min(min, cost);
         }
       }
-      hn::StoreU(smallest_block(min), Block8(), blocks + 16 * k);
+      hn::StoreU(smallest_block(min), Block8(), block);
     }
-    hn::StoreU(smallest_of_blocks(blocks), Block8(), smallest);
-    const std::uint8_t* cost = sums.column(x0);
-    std::uint8_t* path = paths + static_cast<std::ptrdiff_t>(x0) * lanes;
-    for (int k = 0; k < count; ++k, cost += sums.pitch, path += lanes) {
-      const auto min = hn::Set(d, smallest[k]);
-      for (int i = 0; i < lanes; i += step) {
-        hn::StoreU(hn::Min(hn::Sub(hn::LoadU(d, cost + i), min), max_path), d, path + i);
-      }
-    }
+    hn::StoreU(smallest_of_blocks(blocks), Block8(), smallest + x0);
   }
 }
 
-void vertical_path(const std::uint8_t* costs, const std::uint8_t* p2, int p1, std::uint8_t* paths,
-                   const PathSums& sums) {
-  switch (sums.lanes) {
+void vertical_paths(const PathRow& row, const std::uint8_t* p2, const std::uint8_t* p2_right,
+                    const std::uint8_t* above, const std::uint8_t* smallest_above,
+                    std::uint8_t* vertical, std::uint8_t* smallest) {
+  if (p2_right != nullptr) {
+    if (row.lanes == 64) {
+      return vertical_paths_of<64, true>(row, p2, p2_right, above, smallest_above, vertical,
+                                         smallest);
+    }
+    return vertical_paths_of<0, true>(row, p2, p2_right, above, smallest_above, vertical, smallest);
+  }
+  switch (row.lanes) {
     case 64:
-      return vertical<64, false>(costs, p2, nullptr, p1, paths, sums);
+      return vertical_paths_of<64, false>(row, p2, nullptr, above, smallest_above, vertical,
+                                          smallest);
     case 128:
-      return vertical<128, false>(costs, p2, nullptr, p1, paths, sums);
+      return vertical_paths_of<128, false>(row, p2, nullptr, above, smallest_above, vertical,
+                                           smallest);
     default:
-      return vertical<0, false>(costs, p2, nullptr, p1, paths, sums);
+      return vertical_paths_of<0, false>(row, p2, nullptr, above, smallest_above, vertical,
+                                         smallest);
   }
-}
-
-void vertical_path_pair(const std::uint8_t* costs, const std::uint8_t* p2,
-                        const std::uint8_t* p2_right, int p1, std::uint8_t* paths,
-                        const PathSums& sums) {
-  if (sums.lanes == 64) return vertical<64, true>(costs, p2, p2_right, p1, paths, sums);
-  vertical<0, true>(costs, p2, p2_right, p1, paths, sums);
 }
 
 /// A path along a row. Costs are kept relative to M(n - 3), which is known early enough not to wait
@@ -153,7 +151,8 @@ struct RowPath {
   /// Advances by a pixel. Returns the smallest state of each block.
   template <int kLanes>
   HWY_INLINE VBlock8 advance(const std::uint8_t* costs, std::uint8_t penalty, VBytes p1,
-                             int lanes_in, std::uint8_t* state, std::uint8_t* sums) const {
+                             int lanes_in, std::uint8_t* state, const std::uint8_t* addend,
+                             std::uint8_t* sums) const {
     const Bytes d;
     const int lanes = kLanes > 0 ? kLanes : lanes_in, step = static_cast<int>(hn::Lanes(d));
     const auto jump = hn::Set(d, penalty);
@@ -165,7 +164,7 @@ struct RowPath {
       const auto cost = hn::Add(best, hn::LoadU(d, costs + i));
       min = hn::Min(min, cost);
       hn::StoreU(cost, d, state + i);
-      hn::StoreU(hn::SaturatedAdd(hn::LoadU(d, sums + i), hn::Sub(cost, lead)), d, sums + i);
+      hn::StoreU(hn::SaturatedAdd(hn::LoadU(d, addend + i), hn::Sub(cost, lead)), d, sums + i);
     }
     return smallest_block(min);
   }
@@ -202,52 +201,91 @@ HWY_INLINE void push_smallest(VBlock8 left_min, VBlock8 right_min, RowPath& left
   right.push(spread<1>(min));
 }
 
-template <int kLanes, bool kBoth>
-HWY_INLINE void horizontal(const std::uint8_t* costs, const std::uint8_t* p2, int p1_in,
-                           std::uint8_t* state, const PathSums& sums_in) {
-  const PathSums sums = sums_in;
-  const Bytes d;
-  const int lanes = kLanes > 0 ? kLanes : sums.lanes, width = sums.width;
-  const int step = static_cast<int>(hn::Lanes(d));
-  const auto p1 = hn::Set(d, static_cast<std::uint8_t>(p1_in));
-  const auto costs_of = [&](int x) { return costs + static_cast<std::ptrdiff_t>(x) * lanes; };
-  const auto begin = [&](int x, std::uint8_t* path) HWY_ATTR {
-    for (int i = 0; i < lanes; i += step) {
-      const auto cost = hn::LoadU(d, costs_of(x) + i);
-      hn::StoreU(cost, d, path + i);
-      std::uint8_t* const sum = sums.column(x) + i;
-      hn::StoreU(hn::SaturatedAdd(hn::LoadU(d, sum), cost), d, sum);
-    }
-  };
-  // Both paths take turns, so that neither waits for itself.
-  std::uint8_t *const left_state = state, *const right_state = state + lanes;
+/// What both paths of a row share.
+struct RowPaths {
+  const PathRow row;
+  const std::uint8_t *p2, *vertical;
+  std::uint8_t* state;
+  const PathSums sums;
   RowPath left, right;
-  begin(0, left_state);
-  if (kBoth) begin(width - 1, right_state);
-  for (int n = 1; n < width; ++n) {
-    const auto left_min =
-        left.template advance<kLanes>(costs_of(n), p2[n], p1, lanes, left_state, sums.column(n));
-    if constexpr (kBoth) {
-      const int x = width - 1 - n;
-      const auto right_min = right.template advance<kLanes>(costs_of(x), p2[x + 1], p1, lanes,
-                                                            right_state, sums.column(x));
-      push_smallest(left_min, right_min, left, right);
-    } else {
-      push_smallest(left_min, left_min, left, right);
+
+  HWY_INLINE RowPaths(const PathRow& path_row, const std::uint8_t* penalties,
+                      const std::uint8_t* vertical_costs, std::uint8_t* states,
+                      const PathSums& path_sums)
+      : row(path_row), p2(penalties), vertical(vertical_costs), state(states), sums(path_sums) {}
+
+  /// Returns what a path adds to at pixel `x`: the first to get there adds to the contribution from
+  /// above, the second to the sum of the two.
+  template <int kLanes>
+  HWY_INLINE const std::uint8_t* addend(int x, bool is_first) const {
+    const int lanes = kLanes > 0 ? kLanes : row.lanes;
+    return is_first ? vertical + static_cast<std::ptrdiff_t>(x) * lanes : sums.column(x);
+  }
+
+  /// Starts a path at the end of the row, where its costs are C.
+  template <int kLanes>
+  HWY_INLINE void start(int x, bool is_first, std::uint8_t* path) const {
+    const Bytes d;
+    const int lanes = kLanes > 0 ? kLanes : row.lanes, step = static_cast<int>(hn::Lanes(d));
+    const std::uint8_t* const from = addend<kLanes>(x, is_first);
+    for (int i = 0; i < lanes; i += step) {
+      const auto cost = hn::LoadU(d, row.costs + static_cast<std::ptrdiff_t>(x) * lanes + i);
+      hn::StoreU(cost, d, path + i);
+      hn::StoreU(hn::SaturatedAdd(hn::LoadU(d, from + i), cost), d, sums.column(x) + i);
     }
   }
-}
 
-void horizontal_paths(const std::uint8_t* costs, const std::uint8_t* p2, int p1, bool both,
-                      std::uint8_t* state, const PathSums& sums) {
-  if (!both) return horizontal<0, false>(costs, p2, p1, state, sums);
-  switch (sums.lanes) {
+  /// Advances both paths from pixel `begin` of each to `end`. They take turns, so that neither
+  /// waits for itself.
+  template <int kLanes, bool kLeftIsFirst, bool kRightIsFirst>
+  HWY_INLINE void advance(int begin, int end) {
+    const int lanes = kLanes > 0 ? kLanes : row.lanes, width = row.width;
+    const auto p1 = hn::Set(Bytes(), static_cast<std::uint8_t>(row.p1));
+    for (int n = begin; n < end; ++n) {
+      const int x = width - 1 - n;
+      const auto left_min = left.template advance<kLanes>(
+          row.costs + static_cast<std::ptrdiff_t>(n) * lanes, p2[n], p1, lanes, state,
+          addend<kLanes>(n, kLeftIsFirst), sums.column(n));
+      const auto right_min = right.template advance<kLanes>(
+          row.costs + static_cast<std::ptrdiff_t>(x) * lanes, p2[x + 1], p1, lanes, state + lanes,
+          addend<kLanes>(x, kRightIsFirst), sums.column(x));
+      push_smallest(left_min, right_min, left, right);
+    }
+  }
+
+  template <int kLanes>
+  HWY_INLINE void run() {
+    const int width = row.width, half = width / 2;
+    start<kLanes>(0, true, state);
+    start<kLanes>(width - 1, width > 1, state + (kLanes > 0 ? kLanes : row.lanes));
+    advance<kLanes, true, true>(1, half);
+    if (width % 2 != 0 && width > 1) advance<kLanes, true, false>(half, half + 1);
+    advance<kLanes, false, false>(std::max((width + 1) / 2, 1), width);
+  }
+
+  HWY_INLINE void run_left() {
+    const auto p1 = hn::Set(Bytes(), static_cast<std::uint8_t>(row.p1));
+    start<0>(0, true, state);
+    for (int n = 1; n < row.width; ++n) {
+      const auto min =
+          left.template advance<0>(row.costs + static_cast<std::ptrdiff_t>(n) * row.lanes, p2[n],
+                                   p1, row.lanes, state, addend<0>(n, true), sums.column(n));
+      push_smallest(min, min, left, right);
+    }
+  }
+};
+
+void horizontal_paths(const PathRow& row, const std::uint8_t* p2, bool both,
+                      const std::uint8_t* vertical, std::uint8_t* state, const PathSums& sums) {
+  RowPaths paths(row, p2, vertical, state, sums);
+  if (!both) return paths.run_left();
+  switch (row.lanes) {
     case 64:
-      return horizontal<64, true>(costs, p2, p1, state, sums);
+      return paths.run<64>();
     case 128:
-      return horizontal<128, true>(costs, p2, p1, state, sums);
+      return paths.run<128>();
     default:
-      return horizontal<0, true>(costs, p2, p1, state, sums);
+      return paths.run<0>();
   }
 }
 
@@ -258,26 +296,22 @@ HWY_AFTER_NAMESPACE();
 namespace fpga_stereo::simd {
 
 HWY_EXPORT(penalties);
-HWY_EXPORT(vertical_path);
-HWY_EXPORT(vertical_path_pair);
+HWY_EXPORT(vertical_paths);
 HWY_EXPORT(horizontal_paths);
 
 void penalties(const std::uint8_t* a, const std::uint8_t* b, int count, const Parameters& p,
                std::uint8_t* p2) {
   HWY_DYNAMIC_DISPATCH(penalties)(a, b, count, p, p2);
 }
-void vertical_path(const std::uint8_t* costs, const std::uint8_t* p2, int p1, std::uint8_t* paths,
-                   const PathSums& sums) {
-  HWY_DYNAMIC_DISPATCH(vertical_path)(costs, p2, p1, paths, sums);
+void vertical_paths(const PathRow& row, const std::uint8_t* p2, const std::uint8_t* p2_right,
+                    const std::uint8_t* above, const std::uint8_t* smallest_above,
+                    std::uint8_t* vertical, std::uint8_t* smallest) {
+  HWY_DYNAMIC_DISPATCH(vertical_paths)
+  (row, p2, p2_right, above, smallest_above, vertical, smallest);
 }
-void vertical_path_pair(const std::uint8_t* costs, const std::uint8_t* p2,
-                        const std::uint8_t* p2_right, int p1, std::uint8_t* paths,
-                        const PathSums& sums) {
-  HWY_DYNAMIC_DISPATCH(vertical_path_pair)(costs, p2, p2_right, p1, paths, sums);
-}
-void horizontal_paths(const std::uint8_t* costs, const std::uint8_t* p2, int p1, bool both,
-                      std::uint8_t* state, const PathSums& sums) {
-  HWY_DYNAMIC_DISPATCH(horizontal_paths)(costs, p2, p1, both, state, sums);
+void horizontal_paths(const PathRow& row, const std::uint8_t* p2, bool both,
+                      const std::uint8_t* vertical, std::uint8_t* state, const PathSums& sums) {
+  HWY_DYNAMIC_DISPATCH(horizontal_paths)(row, p2, both, vertical, state, sums);
 }
 
 void PathSumsBuffer::create(int width, int disparity_range) {
@@ -288,41 +322,49 @@ void PathSumsBuffer::create(int width, int disparity_range) {
   sums_ = {bytes_[0] + kLaneGroup, pitch, width, disparity_range, lanes};
 }
 
+void VerticalCosts::create(int width, int disparity_range) {
+  const int lanes = lanes_per_pixel(disparity_range);
+  if (costs.rows == width + 1 && costs.cols == lanes) return;
+  costs.create(width + 1, lanes);
+  costs = 0;
+  smallest.assign(static_cast<std::size_t>(width) + kBorder, 0);
+}
+
 void VerticalPaths::start(int width, const Parameters& p) {
   parameters_ = p;
-  // The column behind the row stays 0: the step from it costs nothing.
-  paths_.create(width + 1, lanes_per_pixel(p.disparity_range));
-  paths_ = 0;
-  p2_.resize(static_cast<std::size_t>(width) + kBorder);
-  p2_right_.resize(static_cast<std::size_t>(width) + kBorder);
+  p2_.assign(static_cast<std::size_t>(width) + kBorder, 0);
+  p2_right_.assign(static_cast<std::size_t>(width) + kBorder, 0);
 }
 
 void VerticalPaths::next(const cv::Mat1b& guide, int y, const std::uint8_t* costs,
-                         const PathSums& sums) {
-  const int width = sums.width, p1 = parameters_.sgm_p1;
+                         const VerticalCosts& above, VerticalCosts& row) {
+  const int width = guide.cols, lanes = row.costs.cols;
   const bool is_pair = parameters_.sgm_build == SgmBuild::kSmall;
+  // Without a row above, P2 is 0, and so is every step.
   if (y > 0) {
     penalties(guide[y], guide[y - 1], width, parameters_, p2_.data());
-    if (is_pair) penalties(guide[y], guide[y - 1] + 1, width, parameters_, p2_right_.data());
+    if (is_pair) {
+      penalties(guide[y], guide[y - 1] + 1, width, parameters_, p2_right_.data());
+      p2_right_[static_cast<std::size_t>(width) - 1] = 0;  // there is no pixel to step from
+    }
   }
-  if (is_pair) {
-    vertical_path_pair(costs, p2_.data(), p2_right_.data(), p1, paths_[0], sums);
-  } else {
-    vertical_path(costs, p2_.data(), p1, paths_[0], sums);
-  }
+  vertical_paths({costs, width, lanes, parameters_.sgm_p1}, p2_.data(),
+                 is_pair ? p2_right_.data() : nullptr, above.costs[0], above.smallest.data(),
+                 row.costs[0], row.smallest.data());
 }
 
 void HorizontalPaths::start(int width, const Parameters& p) {
   parameters_ = p;
-  p2_.resize(static_cast<std::size_t>(width) + kBorder);
+  p2_.assign(static_cast<std::size_t>(width) + kBorder, 0);
   state_.resize(std::size_t{2} * static_cast<std::size_t>(lanes_per_pixel(p.disparity_range)));
 }
 
-void HorizontalPaths::add(const cv::Mat1b& guide, int y, const std::uint8_t* costs,
-                          const PathSums& sums) {
+void HorizontalPaths::next(const cv::Mat1b& guide, int y, const std::uint8_t* costs,
+                           const VerticalCosts& vertical, const PathSums& sums) {
   penalties(guide[y] + 1, guide[y], sums.width - 1, parameters_, p2_.data() + 1);
-  horizontal_paths(costs, p2_.data(), parameters_.sgm_p1, parameters_.sgm_build == SgmBuild::kFull,
-                   state_.data(), sums);
+  horizontal_paths({costs, sums.width, sums.lanes, parameters_.sgm_p1}, p2_.data(),
+                   parameters_.sgm_build == SgmBuild::kFull, vertical.costs[0], state_.data(),
+                   sums);
 }
 
 }  // namespace fpga_stereo::simd

@@ -32,25 +32,36 @@ class PathSumsBuffer {
   PathSums sums_{};
 };
 
-/// What the paths from above carry from row to row. Rows must pass it on in order.
+/// Costs L of the paths from above, of a row: W x lanes, and the smallest of each pixel. They are
+/// the contribution of these paths to the sums.
+struct VerticalCosts {
+  cv::Mat1b costs;  // one pixel more, which counts 0
+  std::vector<std::uint8_t> smallest;
+
+  void create(int width, int disparity_range);
+};
+
+/// The paths from above.
 class VerticalPaths {
  public:
   void start(int width, const Parameters& p);
-  /// Sets `sums` of row `y` to the contribution of the paths from above. `guide` is the left image,
-  /// smoothed.
-  void next(const cv::Mat1b& guide, int y, const std::uint8_t* costs, const PathSums& sums);
+  /// Computes row `y` from matching costs and the row above, which is ignored for y = 0. `guide` is
+  /// the left image, smoothed.
+  void next(const cv::Mat1b& guide, int y, const std::uint8_t* costs, const VerticalCosts& above,
+            VerticalCosts& row);
 
  private:
   Parameters parameters_;
-  cv::Mat1b paths_;                          // N of the row above, W x lanes, and a pixel more
   std::vector<std::uint8_t> p2_, p2_right_;  // penalties of the steps from above
 };
 
-/// Adds the contributions of the paths from the left and, in the full build, from the right.
+/// The paths from the left and, in the full build, from the right.
 class HorizontalPaths {
  public:
   void start(int width, const Parameters& p);
-  void add(const cv::Mat1b& guide, int y, const std::uint8_t* costs, const PathSums& sums);
+  /// Sets `sums` of row `y` to the contributions of these paths and those from above.
+  void next(const cv::Mat1b& guide, int y, const std::uint8_t* costs, const VerticalCosts& vertical,
+            const PathSums& sums);
 
  private:
   Parameters parameters_;
@@ -63,15 +74,18 @@ class HorizontalPaths {
 /// Penalties P2 for `count` pairs of grey values.
 void penalties(const std::uint8_t* a, const std::uint8_t* b, int count, const Parameters& p,
                std::uint8_t* p2);
-/// Path from above. `paths` has N of the row above and receives that of this row.
-void vertical_path(const std::uint8_t* costs, const std::uint8_t* p2, int p1, std::uint8_t* paths,
-                   const PathSums& sums);
-/// Paths from above and from the upper right. N of the column behind the row must be 0.
-void vertical_path_pair(const std::uint8_t* costs, const std::uint8_t* p2,
-                        const std::uint8_t* p2_right, int p1, std::uint8_t* paths,
-                        const PathSums& sums);
+/// What the kernels of a row read and write.
+struct PathRow {
+  const std::uint8_t* costs;  // C, W x lanes
+  int width, lanes, p1;
+};
+/// Paths from above, and from the upper right where p2_right is not null. `above` and
+/// `smallest_above` belong to the row above.
+void vertical_paths(const PathRow& row, const std::uint8_t* p2, const std::uint8_t* p2_right,
+                    const std::uint8_t* above, const std::uint8_t* smallest_above,
+                    std::uint8_t* vertical, std::uint8_t* smallest);
 /// Paths from the left and, with `both`, from the right; `state` has 2 lanes bytes.
-void horizontal_paths(const std::uint8_t* costs, const std::uint8_t* p2, int p1, bool both,
-                      std::uint8_t* state, const PathSums& sums);
+void horizontal_paths(const PathRow& row, const std::uint8_t* p2, bool both,
+                      const std::uint8_t* vertical, std::uint8_t* state, const PathSums& sums);
 
 }  // namespace fpga_stereo::simd

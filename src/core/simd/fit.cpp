@@ -5,7 +5,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "core/popcount.hpp"
 #include "core/simd/fit.hpp"
 #include "core/simd/lanes-inl.hpp"
 
@@ -36,8 +35,8 @@ HWY_INLINE hn::Vec<BlockWords> pixel_distances(std::uint16_t left, const std::ui
   return hn::Add(hn::And(counts, hn::Set(words, std::uint16_t{0xFF})), hn::ShiftRight<8>(counts));
 }
 
-/// Computes the distances of 16 pixels whose five disparities all exist. Interleaving pixels that
-/// are 8, 4, 2 and 1 apart brings the values of each disparity together.
+/// Computes the distances of 16 pixels. Interleaving pixels that are 8, 4, 2 and 1 apart brings the
+/// values of each disparity together.
 HWY_INLINE void distances_of_16(const std::uint16_t* left, const std::uint16_t* right,
                                 const std::uint8_t* winner, const std::uint8_t* kept, int x,
                                 std::uint8_t* const out[5]) {
@@ -81,27 +80,27 @@ HWY_INLINE bool all_exist(const std::uint8_t* winner, int x, int range) {
   return hn::AllTrue(d, inside);
 }
 
+/// Replaces the distances of disparities that do not exist.
+HWY_INLINE void replace_missing(const std::uint8_t* winner, const std::uint8_t* kept, int begin,
+                                int end, int range, std::uint8_t* const out[5]) {
+  for (int x = begin; x < end; ++x) {
+    const int d = winner[x], last = std::min(range - 1, x);
+    if (d >= 2 && d + 2 <= last) continue;
+    for (int k = 0; k < 5; ++k) {
+      if (d + k - 2 >= 0 && d + k - 2 <= last) continue;
+      out[k][x] = static_cast<std::uint8_t>(kSgmCensusBits / 2 * kept[x]);
+    }
+  }
+}
+
 void winner_distances(const std::uint16_t* left, const std::uint16_t* right,
                       const std::uint8_t* winner, const std::uint8_t* kept, int width, int range,
                       std::uint8_t* const out[5]) {
   constexpr int kPixels = 16;
-  int x = 0;
-  while (x < width) {
-    if (x + kPixels <= width && all_exist(winner, x, range)) {
-      distances_of_16(left, right, winner, kept, x, out);
-      x += kPixels;
-      continue;
-    }
-    for (const int end = std::min(x + kPixels, width); x < end; ++x) {
-      for (int k = 0; k < 5; ++k) {
-        const int disparity = winner[x] + k - 2;
-        const bool exists = disparity >= 0 && disparity < range && disparity <= x;
-        const std::uint32_t distance =
-            exists ? popcount(static_cast<std::uint32_t>(left[x] ^ right[x - disparity]))
-                   : std::uint32_t{kSgmCensusBits / 2};
-        out[k][x] = static_cast<std::uint8_t>(distance * kept[x]);
-      }
-    }
+  for (int x = 0; x < width; x += kPixels) {
+    distances_of_16(left, right, winner, kept, x, out);
+    if (all_exist(winner, x, range)) continue;
+    replace_missing(winner, kept, x, std::min(x + kPixels, width), range, out);
   }
 }
 
@@ -306,8 +305,9 @@ void Fit::start(const CensusPlanes& left, const CensusPlanes& right, const ByteI
   row_ = first_row;
   distances_.create(left.width, kFitRows);
   columns_.create(left.width, 1);
-  left_bits_.resize(static_cast<std::size_t>(left.width) + kBorder);
-  // A winner may point 2 px beyond either end of the right image, and up to 256 px before it.
+  left_bits_.assign(static_cast<std::size_t>(left.width) + kBorder, 0);
+  // The border of a winner may hold anything, so a pixel there may be compared with one up to 257
+  // px to its left or 2 px to its right.
   right_bits_.assign(static_cast<std::size_t>(left.width) + 256 + 2 * kBorder, 0);
   for (int y = std::max(first_row - kFitRadiusY, 0); y < first_row + kFitRadiusY; ++y) enter(y);
 }

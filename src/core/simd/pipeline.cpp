@@ -35,6 +35,10 @@ void Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
   for_each_band(size.height, num_threads, [&](int, cv::Range rows) {
     census(left_.rectified, p, rows, left_.bits);
     census(right_.rectified, p, rows, right_.bits);
+    if (!is_sgm) return;
+    smooth_rows(left_.rectified, rows, left_.bits);
+    smooth_rows(right_.rectified, rows, right_.bits);
+    smooth_binomial(left_.rectified, rows, guide_);
   });
   timer.lap(Stage::kCensus);
 
@@ -53,8 +57,7 @@ void Pipeline::process(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw,
   out.disparity = disparity_.image;
 
   if (p.dense) {
-    for_each_band(size.height, num_threads,
-                  [&](int, cv::Range rows) { fill(rows, disparity_.image); });
+    fill(cv::Range::all(), disparity_.image);
     timer.lap(Stage::kFill);
     for_each_band(size.height, num_threads, [&](int, cv::Range rows) {
       masked_median(left_.rectified, disparity_, p, rows, smooth_);
@@ -91,13 +94,6 @@ void Pipeline::match_to_subpixel(const Parameters& p, cv::Range rows, Band& band
 void Pipeline::cost_to_subpixel(const Parameters& p, int num_threads, StageTimes& ms) {
   const cv::Size size = disparity_.image.size();
   StageTimer timer(ms);
-  for_each_band(size.height, num_threads, [&](int, cv::Range rows) {
-    smooth_rows(left_.rectified, rows, left_.bits);
-    smooth_rows(right_.rectified, rows, right_.bits);
-    smooth_binomial(left_.rectified, rows, guide_);
-  });
-  timer.lap(Stage::kCost);
-
   turns_.start();
   vertical_paths_.start(size.width, p);
   // Alone, a thread processes a row at a time, which stays in the cache. Together, they take turns
@@ -107,6 +103,7 @@ void Pipeline::cost_to_subpixel(const Parameters& p, int num_threads, StageTimes
   for_each_band(workers, workers, [&](int worker, cv::Range) {
     Band& band = bands_[static_cast<std::size_t>(worker)];
     band.horizontal_paths.start(size.width, p);
+    band.sums.create(size.width, p.disparity_range);
     for (int part = turns_.claim(); part * rows_together < size.height; part = turns_.claim()) {
       const int first = part * rows_together;
       cost_to_check(p, {first, std::min(first + rows_together, size.height)}, part, band);
@@ -125,36 +122,36 @@ void Pipeline::cost_to_subpixel(const Parameters& p, int num_threads, StageTimes
 /// Runs cost, aggregate, select and check on a part of the rows.
 void Pipeline::cost_to_check(const Parameters& p, cv::Range rows, int part, Band& band) {
   const SelectionRow& selection = band.selection.row();
-  const int width = selection.width, lanes = lanes_per_pixel(p.disparity_range);
+  const int width = selection.width;
   StageTimer timer(band.ms, rows.size() > 1 || part % kTimedRows == 0);
-  band.costs.create(rows.size(), width * lanes);
-  band.sums.resize(static_cast<std::size_t>(rows.size()));
+  band.costs.create(rows.size(), width * lanes_per_pixel(p.disparity_range));
   const auto costs = [&](int y) { return band.costs[y - rows.start]; };
-  const auto sums = [&](int y) -> const PathSums& {
-    return band.sums[static_cast<std::size_t>(y - rows.start)].sums();
-  };
-
-  if (rows.start == 0 || rows.size() > 1 || band.next_cost_row != rows.start) {
-    band.cost.start(left_.bits, right_.bits, p, rows.start);
-  }
-  for (int y = rows.start; y < rows.end; ++y) {
-    band.cost.next(costs(y));
-    band.sums[static_cast<std::size_t>(y - rows.start)].create(width, p.disparity_range);
-  }
+  if (band.next_cost_row != rows.start) band.cost.start(left_.bits, right_.bits, p, rows.start);
+  for (int y = rows.start; y < rows.end; ++y) band.cost.next(costs(y));
   band.next_cost_row = rows.end;
   timer.lap(Stage::kCost);
 
+  band.set = 1 - band.set;
+  std::vector<VerticalCosts>& vertical = band.vertical_costs[band.set];
+  vertical.resize(std::max(vertical.size(), static_cast<std::size_t>(rows.size())));
+  for (VerticalCosts& row : vertical) row.create(width, p.disparity_range);
+  const auto vertical_row = [&](int y) -> VerticalCosts& {
+    return vertical[static_cast<std::size_t>(y - rows.start)];
+  };
   turns_.wait_for(part);
-  for (int y = rows.start; y < rows.end; ++y)
-    vertical_paths_.next(guide_.image, y, costs(y), sums(y));
-  turns_.pass(part);
+  if (rows.start == 0) last_ = &vertical_row(0);  // ignored, but there must be one
   for (int y = rows.start; y < rows.end; ++y) {
-    band.horizontal_paths.add(guide_.image, y, costs(y), sums(y));
+    vertical_paths_.next(guide_.image, y, costs(y), *last_, vertical_row(y));
+    last_ = &vertical_row(y);
   }
+  turns_.pass(part);
   timer.lap(Stage::kAggregate);
 
+  const PathSums& sums = band.sums.sums();
   for (int y = rows.start; y < rows.end; ++y) {
-    select(sums(y), selection);
+    band.horizontal_paths.next(guide_.image, y, costs(y), vertical_row(y), sums);
+    timer.lap(Stage::kAggregate);
+    select(sums, selection);
     timer.lap(Stage::kSelect);
     check(selection, p, kept_.image[y]);
     std::copy_n(selection.winner, width, winner_.image[y]);

@@ -34,8 +34,11 @@ class Pipeline {
     Cost cost;
     int next_cost_row = -1;
     cv::Mat1b costs;
-    std::vector<PathSumsBuffer> sums;
+    std::vector<VerticalCosts>
+        vertical_costs[2];  // two sets take turns: the last row of one is read
+    int set = 0;            // when the next rows are computed
     HorizontalPaths horizontal_paths;
+    PathSumsBuffer sums;
     Fit fit;
     StageTimes ms{};  // of the rows that are timed
   };
@@ -52,7 +55,8 @@ class Pipeline {
   SpeckleFilter speckle_;
   // For semi-global matching.
   GuideImage guide_;
-  VerticalPaths vertical_paths_;  // passed from thread to thread, row by row
+  VerticalPaths vertical_paths_;         // passed from thread to thread,
+  const VerticalCosts* last_ = nullptr;  // with the last row that they have computed
   Turns turns_;
   ByteImage winner_, kept_;
   DisparityImage smooth_;  // after the first median
