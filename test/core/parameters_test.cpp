@@ -69,24 +69,24 @@ TEST(ParameterTable, HasTheDefaults) {
                                                                   {"census_window_size", "11"},
                                                                   {"census_pattern", "sparse"},
                                                                   {"correlation_window_size", "15"},
-                                                                  {"cost_difference_limit", "8"},
+                                                                  {"cost_difference_limit", "24"},
                                                                   {"cost_difference_shift", "2"},
-                                                                  {"cost_outside", "6"},
+                                                                  {"cost_outside", "5"},
                                                                   {"cost_shift", "2"},
                                                                   {"sgm_p1", "5"},
                                                                   {"sgm_p2", "15"},
                                                                   {"sgm_p2_edge", "10"},
                                                                   {"sgm_p2_strong_edge", "7"},
-                                                                  {"sgm_edge", "6"},
+                                                                  {"sgm_edge", "5"},
                                                                   {"sgm_strong_edge", "14"},
                                                                   {"left_right_check", "true"},
                                                                   {"disp12MaxDiff", "1"},
                                                                   {"uniqueness_check", "true"},
                                                                   {"uniqueness_ratio", "33"},
                                                                   {"subpixel", "true"},
-                                                                  {"speckle_size", "60"},
+                                                                  {"speckle_size", "40"},
                                                                   {"speckle_range", "1"},
-                                                                  {"median_difference", "6"}};
+                                                                  {"median_difference", "8"}};
   ASSERT_EQ(parameter_table().size(), expected.size());
   for (const auto& [name, value] : expected) {
     EXPECT_EQ(to_text(Parameters(), info_of(name)), value) << name;

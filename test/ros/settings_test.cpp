@@ -147,10 +147,14 @@ INSTANTIATE_TEST_SUITE_P(
             {{"stereo_algorithm", "window"}, {"census_pattern", "full"}, {"speckle_size", "400"}}},
         Preset{"indoor.yaml", {}},
         Preset{"outdoor.yaml",
-               {{"disparity_range", "96"}, {"sgm_p2_strong_edge", "8"}, {"speckle_size", "100"}}},
+               {{"disparity_range", "96"},
+                {"sgm_p2_strong_edge", "8"},
+                {"speckle_size", "100"},
+                {"uniqueness_ratio", "10"}}},
         Preset{"noisy.yaml",
                {{"cost_difference_limit", "16"},
                 {"median_difference", "12"},
+                {"sgm_edge", "6"},
                 {"speckle_size", "100"}}},
         Preset{"fast.yaml", {{"stereo_algorithm", "window"}, {"speckle_size", "400"}}}));
 

@@ -1,6 +1,6 @@
 // The memory layouts that the SIMD stages pass to each other.
 //
-// match and select keep the disparities of a pixel side by side, the largest first: lane i holds
+// Stages that compare disparities keep those of a pixel side by side, the largest first: lane i holds
 // disparity `lanes - 1 - i`. The right pixels that a left pixel is compared with then lie in raster
 // order, and a window sum moves along the row with one addition and one subtraction per disparity.
 #pragma once
