@@ -153,8 +153,10 @@ INSTANTIATE_TEST_SUITE_P(
                 {"uniqueness_ratio", "10"}}},
         Preset{"noisy.yaml",
                {{"cost_difference_limit", "16"},
-                {"median_difference", "12"},
+                {"cost_outside", "7"},
+                {"median_difference", "14"},
                 {"sgm_edge", "6"},
+                {"sgm_p1", "6"},
                 {"speckle_size", "100"}}},
         Preset{"fast.yaml", {{"stereo_algorithm", "window"}, {"speckle_size", "400"}}}));
 
