@@ -69,7 +69,7 @@ TEST(ParameterTable, HasTheDefaults) {
                                                                   {"census_window_size", "11"},
                                                                   {"census_pattern", "sparse"},
                                                                   {"correlation_window_size", "15"},
-                                                                  {"cost_difference_limit", "24"},
+                                                                  {"cost_difference_limit", "8"},
                                                                   {"cost_difference_shift", "2"},
                                                                   {"cost_outside", "5"},
                                                                   {"cost_shift", "2"},

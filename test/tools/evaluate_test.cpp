@@ -221,10 +221,10 @@ TEST_F(Evaluate, RealImages) {
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(run.err.find("libpng"), std::string::npos) << run.err;
   const auto rows = read_csv(at("out.csv"));
-  EXPECT_NEAR(rows.at("sgm full dense mean")[4], 5.93, 0.005);
-  EXPECT_NEAR(rows.at("sgm small dense mean")[4], 6.87, 0.005);
+  EXPECT_NEAR(rows.at("sgm full dense mean")[4], 6.14, 0.005);
+  EXPECT_NEAR(rows.at("sgm small dense mean")[4], 6.98, 0.005);
   EXPECT_NEAR(rows.at("sgm full semi-dense nonocc")[4], 2.18, 0.005);
-  EXPECT_NEAR(rows.at("sgm full semi-dense coverage")[4], 94.21, 0.005);
+  EXPECT_NEAR(rows.at("sgm full semi-dense coverage")[4], 94.14, 0.005);
   const std::vector<double>& rms = rows.at("sgm full dense rms");
   EXPECT_NEAR(rms[1], 0.148, 0.0005);
   EXPECT_NEAR(rms[2], 0.231, 0.0005);

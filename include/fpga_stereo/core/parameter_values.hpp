@@ -52,7 +52,7 @@ struct Parameters {
   int correlation_window_size = 15;
   /// Limit of the grey difference in the cost of a pixel; 0: only census bits count (no unit, 0 to
   /// 31).
-  int cost_difference_limit = 24;
+  int cost_difference_limit = 8;
   /// Each step halves the weight of the grey difference against that of a census bit (bit, 0 to 4).
   int cost_difference_shift = 2;
   /// Cost of a pixel whose counterpart would lie outside the right image (no unit, 0 to 31).
