@@ -87,7 +87,7 @@ HWY_INLINE void matching_costs_of(const CostRow row, const std::uint8_t* above,
         hn::StoreU(sum, d, costs + at + i);
         min = hn::Min(min, sum);
       }
-      hn::StoreU(smallest_block(min), Block8(), blocks + 16 * k);
+      hn::StoreU(smallest_block(min), Block8(), blocks + std::ptrdiff_t{16} * k);
     }
     hn::StoreU(smallest_of_blocks(blocks), Block8(), smallest);
     std::uint8_t* out = costs + static_cast<std::ptrdiff_t>(x) * lanes;

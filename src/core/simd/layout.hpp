@@ -1,8 +1,9 @@
 // The memory layouts that the SIMD stages pass to each other.
 //
-// Stages that compare disparities keep those of a pixel side by side, the largest first: lane i holds
-// disparity `lanes - 1 - i`. The right pixels that a left pixel is compared with then lie in raster
-// order, and a window sum moves along the row with one addition and one subtraction per disparity.
+// Stages that compare disparities keep those of a pixel side by side, the largest first: lane i
+// holds disparity `lanes - 1 - i`. The right pixels that a left pixel is compared with then lie in
+// raster order, and a window sum moves along the row with one addition and one subtraction per
+// disparity.
 #pragma once
 
 #include <cstddef>

@@ -73,7 +73,7 @@ HWY_INLINE void select_left_of(const PathSums& sums_in, const SelectionRow& out_
       for (int i = 0; i < lanes; i += step) {
         others = hn::Min(others, hn::Or(hn::LoadU(d, s + i), hn::LoadU(d, excluded + i)));
       }
-      hn::StoreU(smallest_block(others), Block8(), blocks + 16 * k);
+      hn::StoreU(smallest_block(others), Block8(), blocks + std::ptrdiff_t{16} * k);
     }
     hn::StoreU(smallest_of_blocks(blocks), Block8(), runners_up);
     std::copy_n(runners_up, count, out.runner_up_sum + x0);

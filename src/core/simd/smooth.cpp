@@ -77,7 +77,7 @@ HWY_EXPORT(binomial_row);
 
 void smooth_rows(const CensusImage& image, cv::Range rows, CensusPlanes& planes) {
   const int width = image.image.cols;
-  std::vector<std::uint8_t> line(static_cast<std::size_t>(width) + 2 * kBorder);
+  std::vector<std::uint8_t> line(static_cast<std::size_t>(width + 2 * kBorder));
   std::uint8_t* const in = line.data() + kBorder;
   for (int y = rows.start; y < rows.end; ++y) {
     std::copy_n(image.image[y], width, in);
@@ -89,7 +89,7 @@ void smooth_rows(const CensusImage& image, cv::Range rows, CensusPlanes& planes)
 
 void smooth_binomial(const CensusImage& image, cv::Range rows, GuideImage& guide) {
   const int width = image.image.cols, height = image.image.rows;
-  std::vector<std::uint16_t> line(static_cast<std::size_t>(width) + 2 * kBorder);
+  std::vector<std::uint16_t> line(static_cast<std::size_t>(width + 2 * kBorder));
   std::uint16_t* const sums = line.data() + kBorder;
   for (int y = rows.start; y < rows.end; ++y) {
     const std::uint8_t* lines[5];
