@@ -308,7 +308,7 @@ void Fit::start(const CensusPlanes& left, const CensusPlanes& right, const ByteI
   left_bits_.assign(static_cast<std::size_t>(left.width) + kBorder, 0);
   // The border of a winner may hold anything, so a pixel there may be compared with one up to 257
   // px to its left or 2 px to its right.
-  right_bits_.assign(static_cast<std::size_t>(left.width + 256 + 2 * kBorder), 0);
+  right_bits_.assign(static_cast<std::size_t>(left.width) + 256 + std::size_t{2} * kBorder, 0);
   for (int y = std::max(first_row - kFitRadiusY, 0); y < first_row + kFitRadiusY; ++y) enter(y);
 }
 
