@@ -8,6 +8,7 @@
 #include "core/stages.hpp"
 
 namespace fpga_stereo {
+
 void Cost::start(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat& left_bits,
                  const cv::Mat& right_bits, const Parameters& p, int first_row) {
   CV_Assert(left_bits.type() == CV_32SC1 && right_bits.type() == CV_32SC1);

@@ -22,7 +22,7 @@ void penalties(const std::uint8_t* a, const std::uint8_t* b, int count, const Pa
   const auto at_strong_edge = set(p.sgm_p2_strong_edge);
   for (int i = 0; i < count; i += step) {
     const auto x = hn::LoadU(d, a + i), y = hn::LoadU(d, b + i);
-    const auto difference = hn::Or(hn::SaturatedSub(x, y), hn::SaturatedSub(y, x));
+    const auto difference = absolute_difference(x, y);
     const auto penalty =
         hn::IfThenElse(hn::Lt(difference, edge), flat,
                        hn::IfThenElse(hn::Lt(difference, strong_edge), at_edge, at_strong_edge));
@@ -260,7 +260,7 @@ struct RowPaths {
     start<kLanes>(width - 1, width > 1, state + (kLanes > 0 ? kLanes : row.lanes));
     advance<kLanes, true, true>(1, half);
     if (width % 2 != 0 && width > 1) advance<kLanes, true, false>(half, half + 1);
-    advance<kLanes, false, false>(std::max((width + 1) / 2, 1), width);
+    advance<kLanes, false, false>((width + 1) / 2, width);
   }
 
   HWY_INLINE void run_left() {

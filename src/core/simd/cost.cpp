@@ -12,8 +12,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
 
-// In what follows, kLanes > 0 fixes the lanes per pixel at compile time; all of them then have a
-// disparity.
+// In what follows, kLanes > 0 fixes the lanes per pixel at compile time.
 
 /// Computes columns `begin` .. `end` - 1. With kEdge, some lanes may have no right pixel.
 template <int kLanes, bool kEdge>
@@ -33,8 +32,7 @@ HWY_INLINE void pixel_cost_columns(const CostRow row, int begin, int end, std::u
       const auto bits0 = hn::PopulationCount(hn::Xor(left0, hn::LoadU(d, right + i)));
       const auto bits1 = hn::PopulationCount(hn::Xor(left1, hn::LoadU(d, right + pitch + i)));
       const auto other = hn::LoadU(d, right + 2 * pitch + i);
-      const auto difference =
-          hn::Min(hn::Or(hn::SaturatedSub(grey, other), hn::SaturatedSub(other, grey)), limit);
+      const auto difference = hn::Min(absolute_difference(grey, other), limit);
       auto cost =
           hn::Add(hn::Add(bits0, bits1), hn::ShiftRightSame(difference, row.difference_shift));
       if constexpr (kEdge) {
@@ -64,6 +62,7 @@ HWY_INLINE VBytes replace_unused(VBytes v, int i, int unused, std::uint8_t value
   return hn::IfThenElse(is_unused, hn::Set(d, value), v);
 }
 
+/// With kLanes > 0, every lane must have a disparity.
 template <int kLanes>
 HWY_INLINE void matching_costs_of(const CostRow row, const std::uint8_t* above,
                                   const std::uint8_t* here, const std::uint8_t* below,

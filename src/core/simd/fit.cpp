@@ -168,33 +168,18 @@ struct Sums {
 /// Returns the offset of the vertex in 1/32 px for words of sums c(-1), c(0), c(1).
 template <class D, class V>
 HWY_INLINE V vertex(D d, V before, V here, V after) {
-  // The quotient is at most kDisparityScale: 5 bits of magnitude and one more from a restoring
-  // division, exact in 16 bits: 2 a + b < 2^17, so it is halved first. round(a / b) =
-  // floor((a + b / 2) / b); b is even.
   const auto depth = hn::SaturatedSub(hn::Max(before, after), here);
   const auto difference = hn::Sub(hn::Max(before, after), hn::Min(before, after));
   const auto divisor = hn::Add(hn::Add(depth, depth), hn::Set(d, std::uint16_t{kFitDamping}));
-  const hn::Repartition<float, D> df;
   const hn::Repartition<std::uint32_t, D> dw;
   const hn::RebindToSigned<decltype(dw)> di;
   const auto mask = hn::Set(dw, 0xFFFFU);
-  const auto quotient = [&](auto a, auto b) HWY_ATTR {
-    const auto dividend =
-        hn::Add(hn::ShiftLeft<5>(a), hn::ShiftRight<1>(b));  // kDisparityScale is 2^5
-    const auto top = hn::ConvertTo(df, hn::BitCast(di, dividend));
-    const auto ratio = hn::Div(top, hn::ConvertTo(df, hn::BitCast(di, b)));
-    // Off by 1 at most, which the remainder corrects.
-    auto q = hn::BitCast(dw, hn::ConvertTo(di, hn::Min(ratio, hn::Set(df, 64.0F))));
-    const auto rest = hn::Sub(dividend, hn::Mul(q, b));
-    const auto one = hn::Set(di, 1);
-    const auto signed_rest = hn::BitCast(di, rest), signed_b = hn::BitCast(di, b);
-    auto signed_q = hn::BitCast(di, q);
-    signed_q = hn::IfThenElse(hn::Lt(signed_rest, hn::Zero(di)), hn::Sub(signed_q, one), signed_q);
-    signed_q = hn::IfThenElse(hn::Gt(signed_rest, hn::Sub(signed_b, one)), hn::Add(signed_q, one),
-                              signed_q);
-    return hn::BitCast(dw, hn::Min(signed_q, hn::Set(di, kDisparityScale)));
-  };
   static_assert(kDisparityScale == 32);
+  const auto quotient = [&](auto a, auto b) HWY_ATTR {
+    // round(32 a / b) = floor((32 a + b / 2) / b), as b is even.
+    const auto dividend = hn::Add(hn::ShiftLeft<5>(a), hn::ShiftRight<1>(b));
+    return hn::BitCast(dw, offset_quotient(di, hn::BitCast(di, dividend), hn::BitCast(di, b)));
+  };
   const auto a = hn::BitCast(dw, difference), b = hn::BitCast(dw, divisor);
   const auto low = quotient(hn::And(a, mask), hn::And(b, mask));
   const auto high = quotient(hn::ShiftRight<16>(a), hn::ShiftRight<16>(b));

@@ -6,14 +6,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/simd/lanes-inl.hpp"
 #include "core/simd/median.hpp"
 #include "core/simd/median_network.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 using Words = hn::CappedTag<std::uint16_t, 16>;
 using Greys = hn::Rebind<std::uint8_t, Words>;
@@ -84,9 +83,8 @@ HWY_INLINE VWords masked_median_at(const MedianRows& in, int x) {
       auto value = filler;
       if (is_row) {
         const auto grey = hn::LoadU(d8, in.greys[j] + x + i);
-        const auto difference =
-            hn::Or(hn::SaturatedSub(grey, centre), hn::SaturatedSub(centre, grey));
-        const auto is_similar = hn::Eq(hn::SaturatedSub(difference, limit), hn::Zero(d8));
+        const auto excess = hn::SaturatedSub(absolute_difference(grey, centre), limit);
+        const auto is_similar = hn::Eq(excess, hn::Zero(d8));
         const auto similar = hn::BitCast(di8, hn::VecFromMask(d8, is_similar));
         included = hn::BitCast(d, hn::PromoteTo(di, similar));
         value = hn::LoadU(d, in.disparities[j] + x + i);

@@ -34,9 +34,9 @@ class Pipeline {
     Cost cost;
     int next_cost_row = -1;
     cv::Mat1b costs;
-    std::vector<VerticalCosts>
-        vertical_costs[2];  // two sets take turns: the last row of one is read
-    int set = 0;            // when the next rows are computed
+    // Two sets take turns: the last row of one is read while the next rows are computed.
+    std::vector<VerticalCosts> vertical_costs[2];
+    int set = 0;
     HorizontalPaths horizontal_paths;
     PathSumsBuffer sums;
     Fit fit;

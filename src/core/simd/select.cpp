@@ -6,13 +6,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/simd/lanes-inl.hpp"
 #include "core/simd/select.hpp"
 #include "core/simd/stages.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 using D16 = hn::CappedTag<std::uint16_t, kLaneGroup>;
 using V16 = hn::Vec<D16>;
@@ -22,12 +21,6 @@ using VBlock = hn::Vec<Block>;
 constexpr std::size_t kPixels = 8;  // processed at a time
 constexpr std::uint16_t kMaxSum = 0xFFFF;
 
-struct Smallest {
-  template <class V>
-  HWY_INLINE V operator()(V a, V b) const {
-    return hn::Min(a, b);
-  }
-};
 struct Largest {
   template <class V>
   HWY_INLINE V operator()(V a, V b) const {
@@ -36,17 +29,6 @@ struct Largest {
 };
 
 // In what follows, Extreme is Smallest or Largest.
-
-/// Returns for each position in a block the extreme of all blocks of `v`.
-template <class Extreme, class D>
-HWY_INLINE VBlock fold(D /*d*/, hn::Vec<D> v) {
-  if constexpr (hn::MaxLanes(D()) <= 8) {
-    return v;
-  } else {
-    const hn::Half<D> half;
-    return fold<Extreme>(half, Extreme()(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
-  }
-}
 
 /// Returns, for each block, the extremes of pairs of lanes of `a` and of `b`, interleaved.
 template <class Extreme>

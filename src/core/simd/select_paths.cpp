@@ -14,7 +14,6 @@ HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
 
 using Words = hn::Repartition<std::uint16_t, Bytes>;
-using Block16 = hn::Repartition<std::uint16_t, Block8>;
 
 /// kNoPathSum at bytes 255 .. 257, to exclude a winner and its neighbours from the runners-up.
 constexpr auto kWinnerMask = [] {
@@ -24,15 +23,9 @@ constexpr auto kWinnerMask = [] {
 }();
 
 /// Returns the smallest lane of a vector of words.
-template <class D = Words>
-HWY_INLINE std::uint16_t smallest_word(hn::Vec<D> v) {
-  if constexpr (hn::MaxLanes(D()) <= 8) {
-    return hn::GetLane(hn::MinOfLanes(D(), v));
-  } else {
-    const hn::Half<D> half;
-    const auto min = hn::Min(hn::LowerHalf(half, v), hn::UpperHalf(half, v));
-    return hn::GetLane(hn::MinOfLanes(half, min));
-  }
+HWY_INLINE std::uint16_t smallest_word(hn::Vec<Words> v) {
+  const hn::Repartition<std::uint16_t, Block8> block;
+  return hn::GetLane(hn::MinOfLanes(block, fold<Smallest>(Words(), v)));
 }
 
 /// kLanes > 0 fixes the lanes per pixel at compile time.

@@ -3,13 +3,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/simd/lanes-inl.hpp"
 #include "core/simd/stages.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace fpga_stereo::simd::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 using D32 = hn::CappedTag<std::int32_t, 16>;
 using V32 = hn::Vec<D32>;
@@ -23,11 +22,9 @@ HWY_INLINE V32 load(const std::uint16_t* from) {
   return hn::PromoteTo(D32(), hn::LoadU(From16(), from));
 }
 
-/// Computes vertex() of the scalar twin. The quotient is bounded to kDisparityScale + 1, so its
-/// float approximation is off by 1 at most, which the remainder corrects.
+/// Computes vertex() of the scalar twin.
 HWY_INLINE V32 vertex(const SelectionRow& s, int x) {
   const D32 d;
-  const hn::RebindToFloat<D32> df;
   const auto c0 = load(s.around[0] + x), c1 = load(s.around[1] + x), c2 = load(s.around[2] + x);
   const auto c3 = load(s.around[3] + x), c4 = load(s.around[4] + x);
   const auto twice = [](V32 v) { return hn::Add(v, v); };
@@ -37,16 +34,8 @@ HWY_INLINE V32 vertex(const SelectionRow& s, int x) {
   const auto b = hn::Mul(den, hn::Set(d, kSubpixelDenominator));
   const auto dividend = hn::Add(twice(a), b), divisor = twice(b);
   const auto valid = hn::Gt(den, hn::Zero(d));
-  const auto one = hn::Set(d, 1);
-  const auto safe = hn::IfThenElse(valid, divisor, one);
-  const auto max = hn::Set(d, kDisparityScale);
-  const auto ratio = hn::Div(hn::ConvertTo(df, dividend), hn::ConvertTo(df, safe));
-  const auto bounded = hn::Min(ratio, hn::Set(df, static_cast<float>(kDisparityScale + 1)));
-  auto quotient = hn::ConvertTo(d, bounded);
-  const auto rest = hn::Sub(dividend, hn::Mul(quotient, safe));
-  quotient = hn::IfThenElse(hn::Lt(rest, hn::Zero(d)), hn::Sub(quotient, one), quotient);
-  quotient = hn::IfThenElse(hn::Gt(rest, hn::Sub(safe, one)), hn::Add(quotient, one), quotient);
-  quotient = hn::Min(quotient, max);
+  const auto safe = hn::IfThenElse(valid, divisor, hn::Set(d, 1));
+  const auto quotient = offset_quotient(d, dividend, safe);
   const auto offset = hn::IfThenElse(hn::Lt(num, hn::Zero(d)), hn::Neg(quotient), quotient);
   return hn::IfThenElseZero(valid, offset);
 }
