@@ -56,7 +56,6 @@ class StereoNodelet : public nodelet::Nodelet {
   mutable Mutex mutex_;
   Settings settings_ FPGA_STEREO_GUARDED_BY(mutex_);
   StereoConfig config_ FPGA_STEREO_GUARDED_BY(mutex_);
-  bool is_algorithm_chosen_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
   bool is_default_algorithm_written_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
   std::unique_ptr<Sources> sources_ FPGA_STEREO_GUARDED_BY(mutex_);
 
@@ -85,7 +84,7 @@ void StereoNodelet::onInit() {
   {
     const MutexLock lock(mutex_);
     config_ = StereoConfig::__getDefault__();
-    is_algorithm_chosen_ = private_nh.hasParam(kAlgorithm);
+    settings_.is_algorithm_chosen = private_nh.hasParam(kAlgorithm);
   }
   reconfigure_ =
       std::make_unique<dynamic_reconfigure::Server<StereoConfig>>(config_mutex_, private_nh);
@@ -143,10 +142,11 @@ void StereoNodelet::apply_demand() {
 void StereoNodelet::on_reconfigure(StereoConfig& config) {
   const MutexLock lock(mutex_);
   std::vector<std::string> refusals;
+  const bool was_algorithm_chosen = settings_.is_algorithm_chosen;
   settings_ = to_settings(config, config_, refusals);
-  if (config.stereo_algorithm != config_.stereo_algorithm) is_algorithm_chosen_ = true;
-  settings_.is_algorithm_chosen = is_algorithm_chosen_;
-  is_default_algorithm_written_ = !is_algorithm_chosen_;
+  settings_.is_algorithm_chosen =
+      was_algorithm_chosen || config.stereo_algorithm != config_.stereo_algorithm;
+  is_default_algorithm_written_ = !settings_.is_algorithm_chosen;
   config_ = config;
   for (const std::string& refusal : refusals) NODELET_ERROR_STREAM("parameter " << refusal);
   if (!sources_) return;
