@@ -208,10 +208,7 @@ void evaluate(const Arguments& arguments) {
   }
   Evaluation evaluation(options);
   std::ofstream csv;
-  if (options.count("csv") != 0) {
-    csv.open(options["csv"].as<std::string>());
-    if (!csv) throw std::runtime_error(options["csv"].as<std::string>() + ": cannot be written");
-  }
+  if (options.count("csv") != 0) csv = create_file(options["csv"].as<std::string>());
 
   const std::size_t num_peers = wants_peers ? kOpencvMatchers.size() : 0;
   Progress progress("evaluate", (ours.size() + num_peers) * pairs.size());
@@ -229,8 +226,7 @@ void evaluate(const Arguments& arguments) {
   evaluation.report().print_table(std::cout);
   if (csv.is_open()) {
     evaluation.report().print_csv(csv);
-    csv.close();
-    if (!csv) throw std::runtime_error(options["csv"].as<std::string>() + ": cannot be written");
+    close_file(csv, options["csv"].as<std::string>());
   }
 }
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 #include "fpga_stereo/core/convert.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Sets every pixel to kNone that is kNone in one of the images.
 void keep_common(std::vector<cv::Mat1f>& images) {

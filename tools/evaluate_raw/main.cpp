@@ -116,7 +116,7 @@ void print_table(const Titles& titles, const std::vector<Row>& rows) {
 
 template <class Titles>
 void write_csv(const std::string& path, const Titles& titles, const std::vector<Row>& rows) {
-  std::ofstream csv(path);
+  std::ofstream csv = create_file(path);
   csv << "contender";
   for (std::string title : titles) {
     title.erase(std::remove(title.begin(), title.end(), ','), title.end());
@@ -128,8 +128,7 @@ void write_csv(const std::string& path, const Titles& titles, const std::vector<
     for (const double value : row.values) csv << fmt::format(",{:.4f}", value);
     csv << "\n";
   }
-  csv.close();
-  if (!csv) throw std::runtime_error(path + ": cannot be written");
+  close_file(csv, path);
 }
 
 void evaluate_raw(const Arguments& arguments) {

@@ -12,8 +12,6 @@
 namespace fpga_stereo::tools {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
 /// Returns the lower median; NaN without values. Reorders them.
 template <class T>
 double lower_median(std::vector<T>& values) {
@@ -35,7 +33,8 @@ std::array<int, 3> quartiles(const cv::Mat1b& image) {
   return found;
 }
 
-double mean_of(const std::vector<double>& values) {
+template <class T>
+double mean_of(const std::vector<T>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
@@ -136,9 +135,7 @@ void Values::add(const cv::Mat1f& image) {
                [](float value) { return !std::isnan(value); });
 }
 
-double Values::mean() const {
-  return std::accumulate(values_.begin(), values_.end(), 0.0) / static_cast<double>(values_.size());
-}
+double Values::mean() const { return mean_of(values_); }
 
 double Values::median() const {
   std::vector<float> values = values_;

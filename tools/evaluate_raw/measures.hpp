@@ -1,6 +1,7 @@
 // How good disparities are without ground truth.
 #pragma once
 
+#include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "support/chessboard.hpp"
 
 namespace fpga_stereo::tools {
+
+/// Marks a pixel without a value.
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Returns the right image scaled and shifted to the median and the interquartile range of the left
 /// one, because the cameras of a pair expose differently.

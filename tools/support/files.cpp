@@ -134,6 +134,17 @@ void write_image(const std::string& path, const cv::Mat& image) {
   if (!written) throw std::runtime_error(path + ": cannot be written" + why);
 }
 
+std::ofstream create_file(const std::string& path) {
+  std::ofstream file(path);
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+  return file;
+}
+
+void close_file(std::ofstream& file, const std::string& path) {
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+}
+
 void require_picture_extension(const std::string& option, const std::string& path) {
   bool known = false;
   try {

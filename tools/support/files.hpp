@@ -2,6 +2,7 @@
 // of the file and what is wrong with it.
 #pragma once
 
+#include <fstream>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -23,6 +24,10 @@ cv::Mat1b read_first_channel(const std::string& path);
 void write_image(const std::string& path, const cv::Mat& image);
 /// Throws UsageError, which names `option`, if no image can be written with this extension.
 void require_picture_extension(const std::string& option, const std::string& path);
+/// Opens a new text file for writing.
+std::ofstream create_file(const std::string& path);
+/// Closes it; throws unless everything has been written.
+void close_file(std::ofstream& file, const std::string& path);
 /// Creates a folder and its parents.
 void create_folder(const std::string& path);
 
