@@ -29,6 +29,15 @@ class Pipelines : public ::testing::TestWithParam<std::string> {
     if (result) result = same("disparity", expected.disparity, actual.disparity, c);
     return result;
   }
+  /// Compares on a textured pair with a random mesh, and with one that moves nothing.
+  ::testing::AssertionResult equal_textured(cv::Size size, const Parameters& p, unsigned seed) {
+    const SlantedPair pair = textured_pair(size, seed);
+    auto result =
+        equal(pair.left, pair.right, random_rectification(size, seed), {p, seed, "textured"});
+    if (!result) return result;
+    return equal(padded(pair.left, 1), padded(pair.right, 2), identity_for(size),
+                 {p, seed, "padded"}, 2);
+  }
   int valid_ = 0;  // disparities compared so far
 
  private:
@@ -36,34 +45,27 @@ class Pipelines : public ::testing::TestWithParam<std::string> {
   Pipeline pipeline_;  // used for all sizes and parameters: no frame may depend on an earlier one
 };
 
+const std::vector<cv::Size>& sizes_from_one_pixel() {
+  static const std::vector<cv::Size> sizes{
+      {1, 1},   {1, 9},   {9, 1},   {7, 4},   {8, 8},    {15, 30}, {16, 3},   {17, 41}, {31, 17},
+      {33, 26}, {63, 12}, {64, 33}, {65, 20}, {100, 11}, {127, 9}, {129, 40}, {320, 24}};
+  return sizes;
+}
+
+const std::vector<int>& ranges() {
+  static const std::vector<int> values{8,  12, 16, 20,  28,  32,  36,  60,
+                                       64, 68, 96, 100, 128, 160, 252, 256};
+  return values;
+}
+
 TEST_P(Pipelines, EverySizeFromOnePixel) {
   unsigned seed = 2000;
-  for (const cv::Size size : {cv::Size(1, 1),
-                              {1, 9},
-                              {9, 1},
-                              {7, 4},
-                              {8, 8},
-                              {15, 30},
-                              {16, 3},
-                              {17, 41},
-                              {31, 17},
-                              {33, 26},
-                              {63, 12},
-                              {64, 33},
-                              {65, 20},
-                              {100, 11},
-                              {127, 9},
-                              {129, 40},
-                              {320, 24}}) {
+  for (const cv::Size size : sizes_from_one_pixel()) {
     Parameters p = window_parameters();
     p.disparity_range = 32;
     p.correlation_window_size = 7;
     p.speckle_size = 12;
-    const SlantedPair pair = textured_pair(size, ++seed);
-    ASSERT_TRUE(
-        equal(pair.left, pair.right, random_rectification(size, seed), {p, seed, "textured"}));
-    ASSERT_TRUE(equal(padded(pair.left, 1), padded(pair.right, 2), identity_for(size),
-                      {p, seed, "padded"}, 2));
+    ASSERT_TRUE(equal_textured(size, p, ++seed));
   }
   EXPECT_GT(valid_, 1000);
 }
@@ -71,7 +73,7 @@ TEST_P(Pipelines, EverySizeFromOnePixel) {
 TEST_P(Pipelines, EveryRange) {
   const cv::Size size(150, 12);
   const SlantedPair pair = textured_pair(size, 8);
-  for (const int range : {8, 12, 16, 20, 28, 32, 36, 60, 64, 68, 96, 100, 128, 160, 252, 256}) {
+  for (const int range : ranges()) {
     Parameters p = window_parameters();
     p.disparity_range = range;
     p.speckle_size = 20;
@@ -160,29 +162,14 @@ TEST_P(Pipelines, ThreadsChangeNothing) {
 
 TEST_P(Pipelines, SgmOfEverySizeFromOnePixel) {
   unsigned seed = 2100;
-  for (const cv::Size size : {cv::Size(1, 1),
-                              {1, 9},
-                              {9, 1},
-                              {7, 4},
-                              {15, 30},
-                              {16, 3},
-                              {17, 41},
-                              {33, 26},
-                              {64, 33},
-                              {65, 20},
-                              {129, 40},
-                              {320, 24}}) {
+  for (const cv::Size size : sizes_from_one_pixel()) {
     for (const SgmBuild build : {SgmBuild::kFull, SgmBuild::kSmall}) {
       Parameters p;
       p.disparity_range = 32;
       p.sgm_build = build;
       p.dense = size.width % 2 == 0;
       p.speckle_size = 12;
-      const SlantedPair pair = textured_pair(size, ++seed);
-      ASSERT_TRUE(
-          equal(pair.left, pair.right, random_rectification(size, seed), {p, seed, "textured"}));
-      ASSERT_TRUE(equal(padded(pair.left, 1), padded(pair.right, 2), identity_for(size),
-                        {p, seed, "padded"}, 2));
+      ASSERT_TRUE(equal_textured(size, p, ++seed));
     }
   }
   EXPECT_GT(valid_, 1000);
@@ -191,7 +178,7 @@ TEST_P(Pipelines, SgmOfEverySizeFromOnePixel) {
 TEST_P(Pipelines, SgmOfEveryRange) {
   const cv::Size size(150, 20);
   const SlantedPair pair = textured_pair(size, 8);
-  for (const int range : {8, 12, 28, 32, 36, 60, 64, 68, 96, 128, 160, 252, 256}) {
+  for (const int range : ranges()) {
     for (const SgmBuild build : {SgmBuild::kFull, SgmBuild::kSmall}) {
       Parameters p;
       p.disparity_range = range;
