@@ -5,6 +5,7 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build
+devel=$root/devel  # not in build/: rosrun does not look there
 
 # Only programs of the distribution: another python3 in PATH breaks catkin.
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -74,7 +75,7 @@ configure() {
   shift
   # The only package that Ubuntu 20.04 does not have.
   if is_ubuntu_2004; then set -- "$@" -DFPGA_STEREO_FETCH_HIGHWAY=ON; fi
-  cmake -S "$root" -B "$directory" "$@" >"$directory.cmake.log" 2>&1 ||
+  cmake -S "$root" -B "$directory" -DCATKIN_DEVEL_PREFIX="$devel" "$@" >"$directory.cmake.log" 2>&1 ||
     { tail -n 30 "$directory.cmake.log" >&2; die "cmake failed; the complete log is $directory.cmake.log"; }
 }
 

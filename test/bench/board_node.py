@@ -14,13 +14,13 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def enter_environment(build):
-    """Restarts this program in the environment of the built tree."""
+def enter_environment(devel):
+    """Restarts this program in the environment of a development space."""
     if "FPGA_STEREO_BENCH" in os.environ:
         return
     os.environ.update(FPGA_STEREO_BENCH="1", ROS_HOSTNAME="localhost",
                       PATH="/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin")
-    command = f". {build}/devel/setup.sh && exec python3 \"$@\""
+    command = f". {devel}/setup.sh && exec python3 \"$@\""
     os.execvp("bash", ["bash", "-c", command, *sys.argv[:1], *sys.argv])
 
 
@@ -57,10 +57,10 @@ def node_pid():
 
 
 @contextlib.contextmanager
-def running(build, width, height, board_options, node_options=()):
+def running(devel, width, height, board_options, node_options=()):
     """Runs the virtual board and the node /stereo/fpga_stereo. Yields the process of the board, whose
     standard input takes script lines."""
-    programs = build / "devel/lib/fpga_stereo"
+    programs = devel / "lib/fpga_stereo"
     with tempfile.TemporaryDirectory() as folder:
         os.environ.update(ROS_HOME=folder, ROS_LOG_DIR=folder)
         write_pair(folder, width, height)
