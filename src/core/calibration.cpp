@@ -199,15 +199,23 @@ Status validate(const CameraCalibration& camera, const std::string& name) {
   return validate_distortion(camera, name);
 }
 
-Result<StereoRectification> make_stereo_rectification(const CameraCalibration& left,
-                                                      const CameraCalibration& right,
-                                                      int min_disparity) {
+CameraCalibration rectified_calibration(const CameraCalibration& camera) {
+  CameraCalibration rectified = camera;
+  rectified.D.clear();
+  rectified.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const auto& P = camera.P;
+  if (camera.K[0] != 0 && P[0] > 0 && P[5] > 0) {
+    rectified.K = {P[0], P[1], P[2], P[4], P[5], P[6], P[8], P[9], P[10]};
+  }
+  return rectified;
+}
+
+Result<StereoGeometry> make_stereo_geometry(const CameraCalibration& left,
+                                            const CameraCalibration& right) {
   if (Status status = validate(left, "left"); !status) return status.error();
   if (Status status = validate(right, "right"); !status) return status.error();
 
-  StereoRectification pair;
-  pair.min_disparity = min_disparity;
-  StereoGeometry& geometry = pair.geometry;
+  StereoGeometry geometry;
   geometry.image_size = left.image_size();
   if (left.image_size() != right.image_size()) {
     return error(ErrorKind::kCalibration,
@@ -238,8 +246,18 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
                  "so negative; are left and right swapped?",
                  right.P[3]);
   }
+  return geometry;
+}
 
-  const cv::Size size = geometry.image_size;
+Result<StereoRectification> make_stereo_rectification(const CameraCalibration& left,
+                                                      const CameraCalibration& right,
+                                                      int min_disparity) {
+  const Result<StereoGeometry> geometry = make_stereo_geometry(left, right);
+  if (!geometry) return geometry.error();
+  StereoRectification pair;
+  pair.min_disparity = min_disparity;
+  pair.geometry = *geometry;
+  const cv::Size size = pair.geometry.image_size;
   auto left_rectification = make_rectification(exact_map(left), size, size, "left");
   if (!left_rectification) return left_rectification.error();
   pair.left = *left_rectification;

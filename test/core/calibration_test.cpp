@@ -119,6 +119,39 @@ TEST(Calibration, MinimumDisparityShiftsTheRightMesh) {
   }
 }
 
+TEST(Calibration, OfARectifiedImageFollowsFromPAlone) {
+  CameraCalibration left = kLeft, right = kRight;
+  for (CameraCalibration* camera : {&left, &right}) {
+    camera->K = {200, 0, 70, 0, 210, 50, 0, 0, 1};
+    camera->D = {0.5, 0.1, std::nan("")};
+    camera->distortion_model = "equidistant";
+    camera->R = {0, 1, 0, -1, 0, 0, 0, 0, 1};
+    camera->binning_x = 2;
+    camera->roi = {20, 10, 100, 80};
+  }
+  for (const int minimum : {0, 5}) {
+    const auto pair = make_stereo_rectification(rectified_calibration(left),
+                                                rectified_calibration(right), minimum);
+    ASSERT_TRUE(pair) << pair.error().message;
+    const StereoRectification identity = identity_rectification(pair->geometry, minimum);
+    EXPECT_TRUE(same("left", identity.left.mesh.nodes, pair->left.mesh.nodes));
+    EXPECT_TRUE(same("right", identity.right.mesh.nodes, pair->right.mesh.nodes));
+    EXPECT_EQ(pair->geometry.image_size, cv::Size(50, 80));
+    EXPECT_EQ(pair->geometry.fx, 125);
+    EXPECT_EQ(pair->geometry.fy, 250);
+    EXPECT_EQ(pair->geometry.cx, 30);
+    EXPECT_DOUBLE_EQ(pair->geometry.baseline, 0.1);
+  }
+}
+
+TEST(CalibrationRefusal, OfARectifiedImageNamesWhatTheCameraInfoLacks) {
+  CameraCalibration camera = kLeft;
+  camera.P = {};
+  EXPECT_NE(validate(rectified_calibration(camera), "left").error().message.find("P[0] = 0"),
+            std::string::npos);
+  EXPECT_EQ(validate(rectified_calibration({}), "left").error().kind, ErrorKind::kUncalibrated);
+}
+
 TEST(CalibrationRefusal, EmptyCameraInfoIsUncalibrated) {
   expect_refused([](CameraCalibration& c) { c = {}; }, {"uncalibrated", "K[0] = 0"},
                  ErrorKind::kUncalibrated);

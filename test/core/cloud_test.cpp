@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <vector>
 
 #include "core/stages.hpp"
 #include "support/images.hpp"
@@ -143,6 +145,52 @@ TEST(Cloud, OffsetDecidesWhichPointsLieInFrontOfTheCamera) {
   to_cloud(disparity, r, cv::Mat1b(1, 4, std::uint8_t{0}), l, cloud);
   ASSERT_EQ(cloud.width, 1);
   EXPECT_FLOAT_EQ(float_at(cloud, l, 0, 8), 24);
+}
+
+// The principal points differ, so the floats are rounded.
+TEST(Cloud, OfTheFloatsHasTheBytesOfThePipelinesCloud) {
+  const cv::Size size(13, 7);
+  cv::RNG rng(5);
+  cv::Mat1w disparity(size);
+  for (auto& value : disparity) {
+    value =
+        rng.uniform(0, 4) == 0 ? kNoDisparity : static_cast<std::uint16_t>(rng.uniform(0, 8161));
+  }
+  Reprojection r = kCamera;
+  for (const double offset : {0.0, 8.0, -20.123456789}) {
+    r.offset = offset;
+    const auto min = static_cast<float>(offset);
+    cv::Mat1f floats;
+    to_float(disparity, r.offset, min - 1, floats);
+    const CloudLayout l = layout(PointColor::kRgb, true, true);
+    Cloud expected, cloud;
+    to_cloud(disparity, r, cv::Mat(random_image(size, 6)), l, expected);
+    Reprojection without_offset = r;
+    without_offset.offset = 0;
+    to_cloud(padded(floats, 3), min, without_offset, cv::Mat(random_image(size, 6)), l, cloud);
+    EXPECT_EQ(cloud.width, expected.width);
+    EXPECT_EQ(cloud.height, expected.height);
+    EXPECT_EQ(cloud.data, expected.data) << offset;
+  }
+}
+
+TEST(Cloud, OfFloatsHasNoPointWithoutAPositiveDisparityInTheRange) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const cv::Mat1f disparity = (cv::Mat1f(1, 10) << 4, 3.5F, 2.9375F, 2, std::nanf(""), kInfinity,
+                               -kInfinity, 0, -4, 1e-12F);
+  const CloudLayout l = layout(PointColor::kNone, false, true);
+  const auto valid_points = [&](float min_disparity) {
+    Cloud cloud;
+    to_cloud(disparity, min_disparity, kCamera, cv::Mat(), l, cloud);
+    std::vector<int> valid;
+    for (int point = 0; point < 10; ++point) {
+      if (!std::isnan(float_at(cloud, l, point, 8))) valid.push_back(point);
+    }
+    return valid;
+  };
+  EXPECT_EQ(valid_points(3), (std::vector<int>{0, 1})) << "3 - 1/16 is below the range";
+  EXPECT_EQ(valid_points(0), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(valid_points(-16), (std::vector<int>{0, 1, 2, 3})) << "behind the camera";
 }
 
 /// Compares every pixel with the formula.

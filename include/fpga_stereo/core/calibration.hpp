@@ -110,8 +110,17 @@ Status check_line_buffer(const LineBufferNeed& need, int rows, const std::string
 /// Refuses a calibration that cannot be used. The error names the camera and the field.
 Status validate(const CameraCalibration& camera, const std::string& name);
 
-/// Computes the rectification of a camera pair. Refuses calibrations that validate() refuses, and
-/// pairs whose sizes, focal lengths or cy differ or whose baseline is not positive.
+/// Returns the calibration of the camera's rectified image, which P alone describes: K is that of
+/// P, R is the identity and D is empty. Keeps a K or P that validate() refuses.
+CameraCalibration rectified_calibration(const CameraCalibration& camera);
+
+/// Returns the geometry of a camera pair. Refuses calibrations that validate() refuses, and pairs
+/// whose sizes, focal lengths or cy differ or whose baseline is not positive.
+Result<StereoGeometry> make_stereo_geometry(const CameraCalibration& left,
+                                            const CameraCalibration& right);
+
+/// Computes the rectification of a camera pair. Refuses what make_stereo_geometry() and
+/// make_rectification() refuse.
 Result<StereoRectification> make_stereo_rectification(const CameraCalibration& left,
                                                       const CameraCalibration& right,
                                                       int min_disparity);

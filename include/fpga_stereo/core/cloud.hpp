@@ -40,4 +40,9 @@ struct Cloud {
 void to_cloud(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
               const CloudLayout& layout, Cloud& out);
 
+/// The same for disparities in px, as to_float() and other programs write them; the offset of `r`
+/// is not used. A pixel has no disparity if its value is below `min_disparity` or not finite.
+void to_cloud(const cv::Mat1f& disparity, float min_disparity, const Reprojection& r,
+              const cv::Mat& color, const CloudLayout& layout, Cloud& out);
+
 }  // namespace fpga_stereo
