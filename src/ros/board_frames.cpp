@@ -77,6 +77,7 @@ SourcePair camera_pair(const FrameSet& set, const PlannedConfiguration& planned,
   raw.stamp_ns = static_cast<std::int64_t>(stamp.toNSec());
   raw.left_frame_id = raw.right_frame_id = frame_id;
   pair.number = number;
+  pair.right_stamp_ns = raw.stamp_ns;
   pair.left_info = boost::make_shared<sensor_msgs::CameraInfo>(
       to_camera_info(planned.calibration.left, pair.left_header()));
   return pair;
@@ -90,19 +91,19 @@ Result<StereoFrame> frame_of_host_pair(const ReceivedFrames& received,
     return Error{ErrorKind::kCalibration,
                  "board frame dropped: the calibration changed while it was in flight"};
   }
-  StereoFrame frame = make_raw_frame(pair, settings);
+  StereoFrame frame = make_empty_frame(pair, settings);
   add_board_images(received, planned, frame);
-  add_rectified_images(*planned.rectification, demand, frame);
+  add_rectified_images(pair.raw, *planned.rectification, demand, frame);
   return frame;
 }
 
 StereoFrame frame_of_camera_pair(const ReceivedFrames& received,
                                  const PlannedConfiguration& planned, const SourcePair& pair,
                                  const Settings& settings, const Demand& demand) {
-  StereoFrame frame = make_raw_frame(pair, settings);
+  StereoFrame frame = make_empty_frame(pair, settings);
   add_board_images(received, planned, frame);
   if (!planned.rectification) return frame;
-  add_rectified_images(*planned.rectification, demand, frame);
+  add_rectified_images(pair.raw, *planned.rectification, demand, frame);
   // The board's cameras are grey.
   frame.left.rect_color = frame.left.rect;
   frame.right.rect_color = frame.right.rect;

@@ -35,7 +35,7 @@ Result<StereoFrame> frame_of_host_pair(const link::ReceivedFrames& received,
                                        const SourcePair& pair, const Settings& settings,
                                        const Demand& demand);
 
-/// Returns the frame that the board made of a pair of its own cameras: raw images only, if the
+/// Returns the frame that the board made of a pair of its own cameras: without images, if the
 /// planned configuration has no rectification.
 StereoFrame frame_of_camera_pair(const link::ReceivedFrames& received,
                                  const link::PlannedConfiguration& planned, const SourcePair& pair,

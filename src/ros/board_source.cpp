@@ -39,7 +39,6 @@ link::BoardDemand board_demand(const Demand& outputs, const CameraTopics::Demand
   demand.rectified_right = outputs.right.any_rectified();
   demand.raw_left = outputs.left.any_raw() || cameras.left;
   demand.raw_right = outputs.right.any_raw() || cameras.right;
-  demand.raw_pair = outputs.any();
   demand.stamps = cameras.info;
   return demand;
 }

@@ -28,6 +28,8 @@ class BoardSource {
   /// Called from the device's callback thread; `pair` and `changed` also from refresh().
   struct Callbacks {
     std::function<void(const StereoFrame&)> frame;
+    /// Images of the board's cameras, before anything is made of them.
+    std::function<void(const SourcePair&)> images;
     /// A raw pair that the software has to compute, because the board cannot or has gone.
     std::function<void(const SourcePair&)> pair;
     /// The board came, went, or changed what it can do.

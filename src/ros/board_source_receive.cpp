@@ -99,7 +99,8 @@ void BoardSource::receive_camera_pair(const Received& received) {
   const SourcePair pair =
       camera_pair(received.set, *context.planned, *stamp, settings_.frame_id, *number);
   cameras_.publish(pair.raw);
-  if (context.demand.any() && !context.planned->rectification) {
+  callbacks_.images(pair);
+  if (context.demand.needs_pairs() && !context.planned->rectification) {
     if (const Status raw = check_raw_images(received.set); !raw) {
       return health_.refused(DropCause::kLink, raw.error().message);
     }

@@ -26,17 +26,16 @@ CameraTopics::CameraTopics(const ros::NodeHandle& nh, const BoardSettings& setti
     : settings_(settings),
       changed_(std::move(changed)),
       nh_(nh),
-      transport_(nh),
+      advertiser_(nh, changed_),
       calibration_prefix_(prefix_of(nh.getNamespace())) {}
 
 CameraTopics::Camera CameraTopics::advertise(std::size_t side) {
-  const image_transport::SubscriberStatusCallback on_image = [this](const auto&) { changed_(); };
   const ros::SubscriberStatusCallback on_info = [this](const auto&) { changed_(); };
   const std::string& url = side == 0 ? settings_.left_url : settings_.right_url;
   Camera camera;
   camera.manager = std::make_unique<CameraInfoManager>(ros::NodeHandle(nh_, kSides[side]),
                                                        calibration_prefix_ + kSides[side], url);
-  camera.images = transport_.advertise(kSides[side] + "/image_raw", 1, on_image, on_image);
+  camera.images = advertiser_.advertise(kSides[side] + "/image_raw", ImageKind::kEightBit);
   camera.infos =
       nh_.advertise<sensor_msgs::CameraInfo>(kSides[side] + "/camera_info", 1, on_info, on_info);
   return camera;

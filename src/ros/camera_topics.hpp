@@ -14,6 +14,7 @@
 #include "core/thread_safety.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 #include "ros/board_settings.hpp"
+#include "ros/image_output.hpp"
 #include "ros/source_pair.hpp"
 
 namespace fpga_stereo {
@@ -56,7 +57,7 @@ class CameraTopics {
   const BoardSettings& settings_;
   const std::function<void()> changed_;
   ros::NodeHandle nh_;
-  image_transport::ImageTransport transport_;
+  ImageAdvertiser advertiser_;
   std::string calibration_prefix_;  // of the names under which calibrations are stored
 
   mutable Mutex mutex_;

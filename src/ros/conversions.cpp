@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <utility>
 
 #include "core/stages.hpp"
@@ -66,6 +67,35 @@ sensor_msgs::RegionOfInterest valid_window(cv::Size size, const Parameters& p) {
   window.width = static_cast<std::uint32_t>(std::max(0, size.width - 1 - right_margin - left));
   window.height = static_cast<std::uint32_t>(std::max(0, size.height - 1 - 2 * border));
   return window;
+}
+
+/// Fills all fields but the data.
+void describe_cloud(const Cloud& cloud, const CloudLayout& layout, const std_msgs::Header& header,
+                    sensor_msgs::PointCloud2& message) {
+  message.header = header;
+  message.width = static_cast<std::uint32_t>(cloud.width);
+  message.height = static_cast<std::uint32_t>(cloud.height);
+  message.fields = {field("x", 0), field("y", 4), field("z", 8)};
+  if (layout.color == PointColor::kRgb) {
+    message.fields.push_back(field("rgb", layout.color_offset()));
+  } else if (layout.color == PointColor::kMono) {
+    message.fields.push_back(field("intensity", layout.color_offset()));
+  }
+  message.point_step = static_cast<std::uint32_t>(layout.point_step());
+  message.row_step = message.point_step * message.width;
+  message.is_bigendian = 0;
+  message.is_dense = !layout.organized;
+}
+
+/// Fills `message` with the cloud that `make` makes, in the memory of the message.
+template <class Make>
+void fill_cloud(const CloudLayout& layout, const std_msgs::Header& header,
+                sensor_msgs::PointCloud2& message, const Make& make) {
+  Cloud cloud;
+  cloud.data.swap(message.data);
+  make(cloud);
+  message.data.swap(cloud.data);
+  describe_cloud(cloud, layout, header, message);
 }
 
 }  // namespace
@@ -160,26 +190,44 @@ void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geomet
   to_float(disparity, r.offset, message.min_disparity - 1.0F, values);
 }
 
+Result<cv::Mat1f> to_disparities(const stereo_msgs::DisparityImage& message) {
+  const sensor_msgs::Image& image = message.image;
+  const auto refuse = [&](const std::string& why) {
+    return Error{
+        ErrorKind::kInvalid,
+        fmt::format("disparity image with encoding \"{}\", {}x{}, step {}, {} bytes: {}",
+                    image.encoding, image.width, image.height, image.step, image.data.size(), why)};
+  };
+  if (image.encoding != enc::TYPE_32FC1) return refuse("allowed is the encoding 32FC1");
+  if (image.width == 0 || image.height == 0) return refuse("it has no pixels");
+  if (image.width > std::uint32_t{kMaxWidth} || image.height > std::uint32_t{kMaxHeight}) {
+    return refuse(fmt::format("allowed are up to {}x{}", kMaxWidth, kMaxHeight));
+  }
+  const std::uint64_t row = std::uint64_t{image.width} * sizeof(float);
+  if (image.step < row || image.step % sizeof(float) != 0) {
+    return refuse(fmt::format("the step must be a multiple of {} from {} on", sizeof(float), row));
+  }
+  const std::uint64_t size = std::uint64_t{image.step} * image.height;
+  if (image.data.size() < size) return refuse(fmt::format("the data must have {} bytes", size));
+  if (std::isnan(message.min_disparity)) return refuse("min_disparity is not a number");
+  // OpenCV has no constant images; nobody writes into this one.
+  auto* const pixels = reinterpret_cast<float*>(const_cast<std::uint8_t*>(image.data.data()));
+  return cv::Mat1f(static_cast<int>(image.height), static_cast<int>(image.width), pixels,
+                   image.step);
+}
+
 void to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
                      const CloudLayout& layout, const std_msgs::Header& header,
                      sensor_msgs::PointCloud2& message) {
-  Cloud cloud;
-  cloud.data.swap(message.data);  // reuses its memory
-  to_cloud(disparity, r, color, layout, cloud);
-  message.data.swap(cloud.data);
-  message.header = header;
-  message.width = static_cast<std::uint32_t>(cloud.width);
-  message.height = static_cast<std::uint32_t>(cloud.height);
-  message.fields = {field("x", 0), field("y", 4), field("z", 8)};
-  if (layout.color == PointColor::kRgb) {
-    message.fields.push_back(field("rgb", layout.color_offset()));
-  } else if (layout.color == PointColor::kMono) {
-    message.fields.push_back(field("intensity", layout.color_offset()));
-  }
-  message.point_step = static_cast<std::uint32_t>(layout.point_step());
-  message.row_step = message.point_step * message.width;
-  message.is_bigendian = 0;
-  message.is_dense = !layout.organized;
+  fill_cloud(layout, header, message,
+             [&](Cloud& cloud) { to_cloud(disparity, r, color, layout, cloud); });
+}
+
+void to_point_cloud2(const cv::Mat1f& disparity, float min_disparity, const Reprojection& r,
+                     const cv::Mat& color, const CloudLayout& layout,
+                     const std_msgs::Header& header, sensor_msgs::PointCloud2& message) {
+  fill_cloud(layout, header, message,
+             [&](Cloud& cloud) { to_cloud(disparity, min_disparity, r, color, layout, cloud); });
 }
 
 }  // namespace fpga_stereo

@@ -50,10 +50,18 @@ void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geomet
                         const Parameters& parameters, const std_msgs::Header& header,
                         stereo_msgs::DisparityImage& message);
 
+/// Returns the disparities in px, in the memory of the message, as stereo_image_proc reads them: in
+/// the byte order of this machine. Refuses a message whose fields do not describe its data.
+Result<cv::Mat1f> to_disparities(const stereo_msgs::DisparityImage& message);
+
 /// Fills `message` with the fields x, y, z and, depending on the layout, rgb or intensity.
 /// Overwrites all fields, so that messages can be reused.
 void to_point_cloud2(const cv::Mat1w& disparity, const Reprojection& r, const cv::Mat& color,
                      const CloudLayout& layout, const std_msgs::Header& header,
                      sensor_msgs::PointCloud2& message);
+/// The same for disparities in px of which those below `min_disparity` are invalid.
+void to_point_cloud2(const cv::Mat1f& disparity, float min_disparity, const Reprojection& r,
+                     const cv::Mat& color, const CloudLayout& layout,
+                     const std_msgs::Header& header, sensor_msgs::PointCloud2& message);
 
 }  // namespace fpga_stereo

@@ -3,6 +3,8 @@
 
 namespace fpga_stereo {
 
+enum class Side { kLeft, kRight };
+
 /// The images of one camera that have subscribers.
 struct CameraDemand {
   bool mono = false, color = false;       // as the camera sees
@@ -11,7 +13,6 @@ struct CameraDemand {
   bool any() const { return mono || color || rect || rect_color; }
   bool any_raw() const { return mono || color; }
   bool any_rectified() const { return rect || rect_color; }
-  bool any_color() const { return color || rect_color; }
 };
 
 /// A source makes these outputs and no others.
@@ -20,6 +21,9 @@ struct Demand {
   bool disparity = false;
 
   bool any() const { return left.any() || right.any() || disparity; }
+  /// True if an output is made of pairs. Others are images of one camera, passed on.
+  bool needs_pairs() const { return left.any_rectified() || right.any_rectified() || disparity; }
+  const CameraDemand& of(Side side) const { return side == Side::kLeft ? left : right; }
 };
 
 }  // namespace fpga_stereo

@@ -5,43 +5,49 @@
 
 namespace fpga_stereo {
 
-Outputs::Outputs(const ros::NodeHandle& nh, const std::function<void()>& changed) : transport_(nh) {
-  const ros::SubscriberStatusCallback on_change = [changed](const auto&) { changed(); };
-  const image_transport::SubscriberStatusCallback on_image_change = [changed](const auto&) {
-    changed();
-  };
-  const auto advertise_image = [&](const std::string& topic) {
-    return ImageOutput(transport_.advertise(topic, 1, on_image_change, on_image_change));
-  };
+Outputs::Outputs(const ros::NodeHandle& nh, const OutputTopics& topics,
+                 const std::function<void()>& changed) {
   ros::NodeHandle handle(nh);
-  const auto advertise_camera = [&](const std::string& side) -> CameraOutputs {
-    return {advertise_image(side + "/image_mono"), advertise_image(side + "/image_color"),
-            advertise_image(side + "/image_rect"), advertise_image(side + "/image_rect_color")};
-  };
-  left_ = advertise_camera("left");
-  right_ = advertise_camera("right");
-  depth_ = advertise_image("depth");
-  disparity_color_ = advertise_image("disparity_color");
-  depth_info_ =
-      handle.advertise<sensor_msgs::CameraInfo>("depth/camera_info", 1, on_change, on_change);
+  const ros::SubscriberStatusCallback on_change = [changed](const auto&) { changed(); };
+  ImageAdvertiser advertiser(nh, changed);
+  if (topics.images) advertise_images(advertiser);
+  if (topics.conversions) {
+    // Subscribers of depth/image_rect find camera_info beside it.
+    depth_ = ImageOutput({advertiser.advertise("depth", ImageKind::kDepth),
+                          advertiser.advertise("depth/image_rect", ImageKind::kDepth)});
+    depth_info_ =
+        handle.advertise<sensor_msgs::CameraInfo>("depth/camera_info", 1, on_change, on_change);
+    disparity_color_ = ImageOutput(advertiser.advertise("disparity_color", ImageKind::kEightBit));
+    points2_ = CloudOutput(nh, changed);
+  }
   disparity_ = handle.advertise<stereo_msgs::DisparityImage>("disparity", 1, on_change, on_change);
-  points2_ = handle.advertise<sensor_msgs::PointCloud2>("points2", 1, on_change, on_change);
 }
 
-CameraDemand Outputs::CameraOutputs::demand() const {
-  CameraDemand demand;
-  demand.mono = mono.has_subscribers();
-  demand.color = color.has_subscribers();
+void Outputs::advertise_images(ImageAdvertiser& advertiser) {
+  const auto rectified = [&](const std::string& camera) -> RectifiedOutputs {
+    const auto advertise = [&](const std::string& topic) {
+      return ImageOutput(advertiser.advertise(camera + topic, ImageKind::kEightBit));
+    };
+    return {advertise("/image_rect"), advertise("/image_rect_color")};
+  };
+  left_raw_.advertise(advertiser, "left");
+  right_raw_.advertise(advertiser, "right");
+  left_ = rectified("left");
+  right_ = rectified("right");
+}
+
+void Outputs::RectifiedOutputs::add_demand(CameraDemand& demand) const {
   demand.rect = rect.has_subscribers();
   demand.rect_color = rect_color.has_subscribers();
-  return demand;
 }
 
 Demand Outputs::demand(const Settings& settings) const {
-  const bool cloud = points2_.getNumSubscribers() > 0;
+  const bool cloud = points2_.has_subscribers();
   Demand demand;
-  demand.left = left_.demand();
-  demand.right = right_.demand();
+  left_raw_.add_demand(demand.left);
+  left_.add_demand(demand.left);
+  right_raw_.add_demand(demand.right);
+  right_.add_demand(demand.right);
   demand.left.rect = demand.left.rect || cloud;
   demand.left.rect_color =
       demand.left.rect_color || (cloud && settings.cloud.color == PointColor::kRgb);
@@ -50,12 +56,19 @@ Demand Outputs::demand(const Settings& settings) const {
   return demand;
 }
 
-void Outputs::CameraOutputs::publish(const CameraImages& images) {
+Status Outputs::publish_image(Side side, const sensor_msgs::ImageConstPtr& message) {
+  return (side == Side::kLeft ? left_raw_ : right_raw_).publish(message);
+}
+
+void Outputs::publish_images(const SourcePair& pair) {
+  left_raw_.publish(pair.left_header(), pair.raw.left);
+  right_raw_.publish(pair.right_header(), pair.raw.right);
+}
+
+void Outputs::RectifiedOutputs::publish(const CameraImages& images) {
   const auto publish_image = [&](ImageOutput& to, const cv::Mat& image) {
-    if (to.has_subscribers() && !image.empty()) to.publish(images.header, image, images.message);
+    if (to.has_subscribers() && !image.empty()) to.publish(images.header, image);
   };
-  publish_image(mono, images.mono);
-  publish_image(color, images.color);
   publish_image(rect, images.rect);
   publish_image(rect_color, images.rect_color);
 }
@@ -103,19 +116,14 @@ void Outputs::publish_depth(const StereoFrame& frame) {
 }
 
 void Outputs::publish_cloud(const StereoFrame& frame) {
-  if (points2_.getNumSubscribers() == 0 || frame.left.rect.empty()) return;
-  const Settings& settings = frame.settings;
-  const double elapsed = (frame.left.header.stamp - last_cloud_).toSec();
-  // Stamps jitter, so a tenth of a period early is in time. Time that went back is not early.
-  const bool is_early = elapsed >= 0 && elapsed * settings.cloud_max_rate < 0.9;
-  if (settings.cloud_max_rate > 0 && is_early) return;
-  last_cloud_ = frame.left.header.stamp;
-  const cv::Mat& color = frame.left.rect_color.empty() ? frame.left.rect : frame.left.rect_color;
-  const auto message = clouds_.take();
-  to_point_cloud2(frame.disparity,
-                  make_reprojection(frame.geometry, settings.pipeline.min_disparity), color,
-                  settings.cloud, frame.left.header, *message);
-  points2_.publish(message);
+  if (frame.left.rect.empty()) return;
+  const CameraImages& left = frame.left;
+  points2_.publish(left.header.stamp, frame.settings, [&](sensor_msgs::PointCloud2& message) {
+    to_point_cloud2(frame.disparity,
+                    make_reprojection(frame.geometry, frame.settings.pipeline.min_disparity),
+                    left.rect_color.empty() ? left.rect : left.rect_color, frame.settings.cloud,
+                    left.header, message);
+  });
 }
 
 }  // namespace fpga_stereo

@@ -120,6 +120,13 @@ SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
   return settings;
 }
 
+OutputTopics load_output_topics(const ros::NodeHandle& private_nh,
+                                std::vector<std::string>& refusals) {
+  OutputTopics topics;
+  ParameterReader(private_nh, refusals).flag("publish_images", topics.images);
+  return topics;
+}
+
 std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh) {
   std::vector<std::string> refusals;
   for (const auto& [name, default_value] : texts(StereoConfig::__getDefault__())) {
@@ -196,6 +203,16 @@ Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   settings.num_threads = config.num_threads == 0 ? cores : config.num_threads;
   return settings;
+}
+
+Settings load_settings(const ros::NodeHandle& private_nh, std::vector<std::string>& refusals) {
+  for (std::string& refusal : refuse_bad_parameters(private_nh)) {
+    refusals.push_back(std::move(refusal));
+  }
+  const StereoConfig defaults = StereoConfig::__getDefault__();
+  StereoConfig config = defaults;
+  config.__fromServer__(private_nh);
+  return to_settings(config, defaults, refusals);
 }
 
 }  // namespace fpga_stereo

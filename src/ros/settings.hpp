@@ -34,6 +34,17 @@ struct SyncSettings {
   double sync_tolerance = 0.1;  // s; approximate_sync pairs nothing further apart
 };
 
+/// What a node advertises besides the disparity. Read once at the start.
+struct OutputTopics {
+  bool images = true;       // of the cameras: left|right/image_mono, image_rect, ...
+  bool conversions = true;  // of the disparity: points2, depth, disparity_color
+};
+
+/// Reads ~publish_images. A refused value keeps its default; a message about it is appended to
+/// `refusals`.
+OutputTopics load_output_topics(const ros::NodeHandle& private_nh,
+                                std::vector<std::string>& refusals);
+
 /// Reads ~approximate_sync, ~queue_size and ~sync_tolerance. A refused value keeps its default; a
 /// message about it is appended to `refusals`.
 SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
@@ -55,5 +66,9 @@ std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh);
 /// in `config` too, and a message about it is appended to `refusals`.
 Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
                      std::vector<std::string>& refusals);
+
+/// Reads the settings of a node without dynamic_reconfigure. A refused value keeps its default; a
+/// message about it is appended to `refusals`.
+Settings load_settings(const ros::NodeHandle& private_nh, std::vector<std::string>& refusals);
 
 }  // namespace fpga_stereo

@@ -56,7 +56,7 @@ std::optional<SoftwareSource::Job> SoftwareSource::wait_for_job() {
 
 void SoftwareSource::run() {
   while (const std::optional<Job> job = wait_for_job()) {
-    if (!job->demand.any()) {
+    if (!job->demand.needs_pairs()) {
       health_.dropped(DropCause::kUnwanted);
     } else if (const Result<StereoFrame> frame = make_frame(*job); frame) {
       callback_(*frame);
@@ -75,7 +75,7 @@ Result<StereoFrame> SoftwareSource::make_frame(const Job& job) {
   if (std::exchange(logged_, &rectification) != &rectification) log_rectification(rectification);
   if (const Status size = check_pair_size(raw, rectification); !size) return size.error();
 
-  StereoFrame frame = make_raw_frame(job.pair, job.settings);
+  StereoFrame frame = make_empty_frame(job.pair, job.settings);
   frame.geometry = rectification.geometry;
   if (job.demand.disparity) {
     const DisparityFrame& computed =
@@ -86,7 +86,7 @@ Result<StereoFrame> SoftwareSource::make_frame(const Job& job) {
     if (parameters.min_disparity == 0) frame.right.rect = computed.right;
     frame.ms = computed.ms;
   }
-  add_rectified_images(rectification, job.demand, frame);
+  add_rectified_images(raw, rectification, job.demand, frame);
   return frame;
 }
 

@@ -27,23 +27,28 @@ std_msgs::Header SourcePair::left_header() const {
 }
 
 std_msgs::Header SourcePair::right_header() const {
-  return to_header(raw.stamp_ns, raw.right_frame_id);
+  return to_header(right_stamp_ns, raw.right_frame_id);
 }
 
 Result<SourcePair> decode_pair(const sensor_msgs::ImageConstPtr& left,
                                const sensor_msgs::CameraInfoConstPtr& left_info,
                                const sensor_msgs::ImageConstPtr& right,
                                const sensor_msgs::CameraInfoConstPtr& right_info,
-                               const Demand& demand) {
+                               const Demand& demand, PairKind kind) {
   SourcePair pair;
   RawPair& raw = pair.raw;
-  Status decoded = decode(left, "left", demand.left.any_color(), raw.left, raw.left_color);
+  Status decoded = decode(left, "left", demand.left.rect_color, raw.left, raw.left_color);
   if (decoded) {
-    decoded = decode(right, "right", demand.right.any_color(), raw.right, raw.right_color);
+    decoded = decode(right, "right", demand.right.rect_color, raw.right, raw.right_color);
   }
   if (!decoded) return decoded.error();
   raw.calibration = {to_calibration(*left_info), to_calibration(*right_info)};
+  if (kind == PairKind::kRectified) {
+    raw.calibration = {rectified_calibration(raw.calibration.left),
+                       rectified_calibration(raw.calibration.right)};
+  }
   raw.stamp_ns = static_cast<std::int64_t>(left->header.stamp.toNSec());
+  pair.right_stamp_ns = static_cast<std::int64_t>(right->header.stamp.toNSec());
   raw.left_frame_id = left->header.frame_id;
   raw.right_frame_id = right->header.frame_id;
   pair.left_message = left;

@@ -18,21 +18,25 @@ namespace fpga_stereo {
 struct SourcePair {
   RawPair raw;
   std::uint64_t number = 0;  // rises from pair to pair, even if stamps go back; see StampGate
-  // The camera's messages, to be published again without a copy; null for a board's cameras.
-  sensor_msgs::ImageConstPtr left_message, right_message;
-  sensor_msgs::CameraInfoConstPtr left_info;  // never null
+  std::int64_t right_stamp_ns = 0;  // of the right image; approximate_sync pairs different stamps
+  sensor_msgs::ImageConstPtr left_message, right_message;  // null for a board's cameras
+  sensor_msgs::CameraInfoConstPtr left_info;               // never null
 
   std_msgs::Header left_header() const;
-  /// The frame of the right image, with the stamp of the pair.
   std_msgs::Header right_header() const;
 };
 
+enum class PairKind {
+  kRaw,        // image_raw: camera_info describes how to rectify it
+  kRectified,  // image_rect: P of camera_info describes it
+};
+
 /// Decodes the four messages of a pair. The stamp is that of the left image; colour is decoded only
-/// for cameras whose colour images are in demand. Refuses images that cannot be decoded.
+/// for cameras whose rectified colour images are in demand. Refuses images that cannot be decoded.
 Result<SourcePair> decode_pair(const sensor_msgs::ImageConstPtr& left,
                                const sensor_msgs::CameraInfoConstPtr& left_info,
                                const sensor_msgs::ImageConstPtr& right,
                                const sensor_msgs::CameraInfoConstPtr& right_info,
-                               const Demand& demand);
+                               const Demand& demand, PairKind kind = PairKind::kRaw);
 
 }  // namespace fpga_stereo

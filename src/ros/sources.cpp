@@ -2,33 +2,35 @@
 
 namespace fpga_stereo {
 
-const char* name(Sources::Maker maker) {
-  return maker == Sources::Maker::kBoard ? "board" : "software";
-}
-
 Sources::Sources(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
-                 const SyncSettings& sync, const BoardSettings& board_settings, Health& health,
+                 const Options& options, Health& health, Outputs& outputs,
                  FramePublisher& publisher, const std::function<void()>& changed)
-    : board_settings_(board_settings), health_(health), publisher_(publisher) {
+    : board_settings_(options.board), health_(health), publisher_(publisher) {
   software_ = std::make_unique<SoftwareSource>(
       health_, [this](const StereoFrame& frame) { publisher_.publish(frame); });
-  if (board_settings_.backend != Backend::kSoftware) make_board(nh, changed);
-  topics_ = std::make_unique<TopicInput>(nh, private_nh, sync, health_, gate_,
-                                         [this](const SourcePair& pair) { on_pair(pair); });
+  if (board_settings_.backend != Backend::kSoftware) make_board(nh, outputs, changed);
+  TopicInput::Callbacks callbacks;
+  callbacks.pair = [this](const SourcePair& pair) { on_pair(pair); };
+  callbacks.image = [&outputs](Side side, const sensor_msgs::ImageConstPtr& image) {
+    return outputs.publish_image(side, image);
+  };
+  topics_ = std::make_unique<TopicInput>(nh, private_nh, options.topics, options.sync, health_,
+                                         gate_, callbacks);
 }
 
-void Sources::make_board(const ros::NodeHandle& nh, const std::function<void()>& changed) {
+void Sources::make_board(const ros::NodeHandle& nh, Outputs& outputs,
+                         const std::function<void()>& changed) {
   cameras_ = std::make_unique<CameraTopics>(nh, board_settings_, changed);
   BoardSource::Callbacks callbacks;
   callbacks.frame = [this](const StereoFrame& frame) { publisher_.publish(frame); };
   callbacks.pair = [this](const SourcePair& pair) { software_->receive(pair); };
+  callbacks.images = [&outputs](const SourcePair& pair) { outputs.publish_images(pair); };
   callbacks.changed = changed;
   board_ = std::make_unique<BoardSource>(board_settings_, *cameras_, health_, gate_, callbacks);
 }
 
 Sources::~Sources() {
   // In the direction of the data: topics feed the board, both feed the software.
-  topics_->stop();
   topics_.reset();
   board_.reset();
   software_.reset();
@@ -50,13 +52,8 @@ void Sources::set_demand(const Demand& demand) {
   update_software();  // a board may have come or gone
   software_->set_demand(demand);
   if (board_) board_->set_demand(demand);
-  topics_->set_demand(demand);
-  if (demand.any() && needs_topics()) {
-    topics_->start();
-  } else {
-    topics_->stop();
-  }
-  if (!demand.any()) software_->drop_waiting();
+  topics_->set_demand(needs_topics() ? demand : Demand());
+  if (!demand.needs_pairs()) software_->drop_waiting();
   health_.set_has_subscribers(demand.any() || (cameras_ && cameras_->demand().any()));
 }
 
@@ -105,13 +102,6 @@ Sources::Maker Sources::active() const {
 
 std::optional<StateReport> Sources::input_trouble() const {
   return needs_topics() ? topics_->trouble() : board_->trouble();
-}
-
-StateReport Sources::state() const {
-  if (!health_.has_subscribers()) return {NodeState::kIdle, "idle: no output has a subscriber"};
-  if (const auto trouble = input_trouble()) return *trouble;
-  if (const auto refusal = health_.refusal()) return *refusal;
-  return {NodeState::kStreaming, "streaming"};
 }
 
 std::optional<BoardReport> Sources::board_report() const {

@@ -15,9 +15,11 @@
 #include "ros/demand.hpp"
 #include "ros/frame_publisher.hpp"
 #include "ros/health.hpp"
+#include "ros/outputs.hpp"
 #include "ros/settings.hpp"
 #include "ros/software_source.hpp"
 #include "ros/stamp_gate.hpp"
+#include "ros/status_source.hpp"
 #include "ros/topic_input.hpp"
 
 namespace fpga_stereo {
@@ -26,14 +28,19 @@ namespace fpga_stereo {
 /// and the software otherwise.
 ///
 /// set_settings() and set_demand() are for one thread at a time, the rest is thread-safe.
-class Sources {
+class Sources : public StatusSource {
  public:
-  enum class Maker { kSoftware, kBoard };
+  struct Options {
+    PairKind topics = PairKind::kRaw;
+    SyncSettings sync;
+    BoardSettings board;
+  };
 
-  /// Hands frames to `publisher`. Calls `changed`, from threads of its own and without a lock, when
-  /// the demand has to be set again. `health` and `publisher` must outlive the sources.
-  Sources(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, const SyncSettings& sync,
-          const BoardSettings& board_settings, Health& health, FramePublisher& publisher,
+  /// Hands frames to `publisher`, and images that need no partner to `outputs`. Calls `changed`,
+  /// from threads of its own and without a lock, when the demand has to be set again. `health`,
+  /// `outputs` and `publisher` must outlive the sources.
+  Sources(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, const Options& options,
+          Health& health, Outputs& outputs, FramePublisher& publisher,
           const std::function<void()>& changed);
   /// Stops the topics first, then the board, then the software. Blocks until their threads end.
   ~Sources();
@@ -48,19 +55,18 @@ class Sources {
   /// Resets the link to the board. Returns false if the backend is the software.
   bool reset_board();
 
-  /// Returns what makes the disparity now.
-  Maker active() const;
-  StateReport state() const;
-  /// Says why no pairs or frames arrive, apart from refused ones; nullopt if they do.
-  std::optional<StateReport> input_trouble() const;
-  /// Returns nullopt if the backend is the software.
-  std::optional<BoardReport> board_report() const;
+  const char* product() const override { return "disparity"; }
+  const Health& health() const override { return health_; }
+  Maker active() const override;
+  std::optional<StateReport> input_trouble() const override;
+  std::optional<BoardReport> board_report() const override;
   bool has_board() const { return board_ != nullptr && board_->is_present(); }
 
  private:
   /// The software computes a board's pairs with the board's stereo_algorithm.
   void update_software();
-  void make_board(const ros::NodeHandle& nh, const std::function<void()>& changed);
+  void make_board(const ros::NodeHandle& nh, Outputs& outputs,
+                  const std::function<void()>& changed);
   /// True if the pairs come from topics, not from the cameras of a board.
   bool needs_topics() const;
   void on_pair(const SourcePair& pair);
@@ -78,8 +84,5 @@ class Sources {
   std::unique_ptr<BoardSource> board_;
   std::unique_ptr<TopicInput> topics_;
 };
-
-/// "software" or "board".
-const char* name(Sources::Maker maker);
 
 }  // namespace fpga_stereo

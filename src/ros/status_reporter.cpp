@@ -10,13 +10,14 @@ const ros::WallDuration kRepeatLog(60.0);  // a lasting trouble is logged again 
 }  // namespace
 
 StatusReporter::StatusReporter(ros::NodeHandle& nh, ros::NodeHandle& private_nh,
-                               const std::string& node_name, Health& health, const Sources& sources)
+                               const std::string& node_name, Health& health,
+                               const StatusSource& sources)
     : health_(health),
       sources_(sources),
       status_(private_nh.advertise<StereoStatus>("status", 1, true)),
       updater_(nh, private_nh, node_name) {
   updater_.setHardwareID("none");
-  updater_.add("disparity", this, &StatusReporter::diagnose);
+  updater_.add(sources.product(), this, &StatusReporter::diagnose);
   if (!sources_.board_report()) return;
   updater_.add("board", [this](diagnostic_updater::DiagnosticStatusWrapper& diagnostics) {
     if (const auto board = sources_.board_report()) fill_diagnostics(*board, diagnostics);
@@ -48,7 +49,7 @@ void StatusReporter::log_input_trouble() {
   const ros::WallTime now = ros::WallTime::now();
   const bool is_new = trouble && !logged_trouble_;
   if (trouble && (is_new || now - last_trouble_log_ > kRepeatLog)) {
-    ROS_WARN_STREAM_NAMED("stereo", "no disparity: " << trouble->text);
+    ROS_WARN_STREAM_NAMED("stereo", "no " << sources_.product() << ": " << trouble->text);
     last_trouble_log_ = now;
   }
   logged_trouble_.reset();
@@ -67,7 +68,7 @@ void StatusReporter::log_source() {
     ROS_ERROR_STREAM_NAMED("stereo", trouble->text);
   }
   const bool is_present = board->ability != link::BoardAbility::kNoBoard;
-  if (decision.maker == Sources::Maker::kSoftware) {
+  if (decision.maker == StatusSource::Maker::kSoftware) {
     const std::string reason = is_present ? board->limitation
                                : trouble  ? trouble->text
                                           : "no board is connected";

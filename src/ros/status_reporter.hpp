@@ -8,7 +8,7 @@
 #include <string>
 
 #include "ros/health.hpp"
-#include "ros/sources.hpp"
+#include "ros/status_source.hpp"
 
 namespace fpga_stereo {
 
@@ -17,7 +17,7 @@ class StatusReporter {
  public:
   /// `health` and `sources` must outlive the reporter. `node_name` names the diagnostics.
   StatusReporter(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const std::string& node_name,
-                 Health& health, const Sources& sources);
+                 Health& health, const StatusSource& sources);
 
   /// Publishes status and diagnostics, and logs changes. Call about once a second.
   void report();
@@ -29,7 +29,7 @@ class StatusReporter {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& diagnostics);
 
   Health& health_;
-  const Sources& sources_;
+  const StatusSource& sources_;
   ros::Publisher status_;
   diagnostic_updater::Updater updater_;
 
@@ -37,7 +37,7 @@ class StatusReporter {
   ros::WallTime last_trouble_log_;
   /// What decides who makes the disparity, as logged last.
   struct Decision {
-    Sources::Maker maker;
+    StatusSource::Maker maker;
     link::BoardAbility ability;
     bool is_board_refused;
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
-#include <sensor_msgs/Image.h>
 #include <std_msgs/Header.h>
 
 #include <cstdint>
@@ -13,12 +12,11 @@
 
 namespace fpga_stereo {
 
-/// The images of one camera; empty if not in demand. mono and rect are 8UC1; color and rect_color
-/// are 8UC3 BGR, or 8UC1 if the camera is grey.
+/// The rectified images of one camera; empty if not in demand. rect is 8UC1; rect_color is 8UC3
+/// BGR, or 8UC1 if the camera is grey.
 struct CameraImages {
-  std_msgs::Header header;  // stamp of the pair, frame_id of this camera's image
-  cv::Mat mono, color, rect, rect_color;
-  sensor_msgs::ImageConstPtr message;  // the camera's message, or null; owns mono if that is mono8
+  std_msgs::Header header;  // of this camera's image
+  cv::Mat rect, rect_color;
 };
 
 /// Everything a source made of one pair.

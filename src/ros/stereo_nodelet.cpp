@@ -1,22 +1,11 @@
-// The nodelet: reads parameters, connects subscribers, settings and services with the sources.
-#include <dynamic_reconfigure/server.h>
-#include <nodelet/nodelet.h>
-#include <std_srvs/Trigger.h>
+#include "ros/stereo_nodelet.hpp"
 
-#include <memory>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/thread_safety.hpp"
 #include "fpga_stereo/core/target.hpp"
-#include "ros/frame_publisher.hpp"
-#include "ros/health.hpp"
-#include "ros/outputs.hpp"
-#include "ros/settings.hpp"
-#include "ros/sources.hpp"
-#include "ros/status_reporter.hpp"
 
 namespace fpga_stereo {
 namespace {
@@ -25,55 +14,14 @@ constexpr const char* kAlgorithm = "stereo_algorithm";
 
 }  // namespace
 
-class StereoNodelet : public nodelet::Nodelet {
- public:
-  ~StereoNodelet() override;
-
- private:
-  using Trigger = std_srvs::Trigger;
-
-  void onInit() override FPGA_STEREO_EXCLUDES(mutex_);
-  void make_sources(const SyncSettings& sync, const BoardSettings& board)
-      FPGA_STEREO_EXCLUDES(mutex_);
-  void on_reconfigure(StereoConfig& config) FPGA_STEREO_EXCLUDES(mutex_);
-  /// Deletes ~stereo_algorithm, which the reconfigure server has written, unless the user has
-  /// chosen an algorithm: a node that starts again must not take it for a choice.
-  void forget_default_algorithm() FPGA_STEREO_EXCLUDES(mutex_);
-  void on_demand_change() FPGA_STEREO_EXCLUDES(mutex_);
-  void on_timer() FPGA_STEREO_EXCLUDES(mutex_);
-  bool on_reset(Trigger::Request&, Trigger::Response& response) FPGA_STEREO_EXCLUDES(mutex_);
-  bool on_device_info(Trigger::Request&, Trigger::Response& response) FPGA_STEREO_EXCLUDES(mutex_);
-  void apply_demand() FPGA_STEREO_REQUIRES(mutex_);
-  /// Returns the sources, or null before onInit() has made them. The destructor stops all callers
-  /// before it destroys the sources.
-  Sources* sources() const FPGA_STEREO_EXCLUDES(mutex_);
-
-  Health health_;
-  std::unique_ptr<Outputs> outputs_;
-  std::unique_ptr<FramePublisher> publisher_;
-
-  /// Held while settings and demand are passed on, before all locks of the sources.
-  mutable Mutex mutex_;
-  Settings settings_ FPGA_STEREO_GUARDED_BY(mutex_);
-  StereoConfig config_ FPGA_STEREO_GUARDED_BY(mutex_);
-  bool is_default_algorithm_written_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
-  std::unique_ptr<Sources> sources_ FPGA_STEREO_GUARDED_BY(mutex_);
-
-  std::unique_ptr<StatusReporter> reporter_;  // used by the timer alone
-  boost::recursive_mutex config_mutex_;       // of the reconfigure server, before mutex_
-  std::unique_ptr<dynamic_reconfigure::Server<StereoConfig>> reconfigure_;
-  ros::ServiceServer reset_, device_info_;
-  ros::WallTimer timer_;
-};
-
 void StereoNodelet::onInit() {
   ros::NodeHandle& private_nh = getPrivateNodeHandle();
   if (const auto translation = translate_algorithm(private_nh)) {
     NODELET_INFO_STREAM("parameter " << *translation);
   }
   std::vector<std::string> refusals = refuse_bad_parameters(private_nh);
-  const SyncSettings sync = load_sync_settings(private_nh, refusals);
-  const BoardSettings board = load_board_settings(private_nh, refusals);
+  const Sources::Options options = load_options(refusals);
+  const OutputTopics topics = load_topics(refusals);
   for (const std::string& refusal : refusals) NODELET_ERROR_STREAM("parameter " << refusal);
   for (const std::string& message : ignored_parameters(private_nh)) NODELET_WARN_STREAM(message);
   if (const Status known = check_target_variable(); !known) {
@@ -91,22 +39,42 @@ void StereoNodelet::onInit() {
   reconfigure_->setCallback(
       [this](StereoConfig& config, std::uint32_t) { on_reconfigure(config); });
   forget_default_algorithm();
-  make_sources(sync, board);
+  make_sources(options, topics);
   reporter_ =
       std::make_unique<StatusReporter>(getNodeHandle(), private_nh, getName(), health_, *sources());
-  reset_ = private_nh.advertiseService("reset", &StereoNodelet::on_reset, this);
-  device_info_ = private_nh.advertiseService("device_info", &StereoNodelet::on_device_info, this);
+  if (kind_ == PairKind::kRaw) {
+    reset_ = private_nh.advertiseService("reset", &StereoNodelet::on_reset, this);
+    device_info_ = private_nh.advertiseService("device_info", &StereoNodelet::on_device_info, this);
+  }
   timer_ =
       getNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const auto&) { on_timer(); });
 }
 
-void StereoNodelet::make_sources(const SyncSettings& sync, const BoardSettings& board) {
+Sources::Options StereoNodelet::load_options(std::vector<std::string>& refusals) const {
+  Sources::Options options;
+  options.topics = kind_;
+  options.sync = load_sync_settings(getPrivateNodeHandle(), refusals);
+  if (kind_ == PairKind::kRaw) {
+    options.board = load_board_settings(getPrivateNodeHandle(), refusals);
+  } else {
+    options.board.backend = Backend::kSoftware;  // boards rectify by themselves
+  }
+  return options;
+}
+
+OutputTopics StereoNodelet::load_topics(std::vector<std::string>& refusals) const {
+  if (kind_ == PairKind::kRectified) return {false, false};
+  return load_output_topics(getPrivateNodeHandle(), refusals);
+}
+
+void StereoNodelet::make_sources(const Sources::Options& options, const OutputTopics& topics) {
   // Subscribers that come meanwhile change nothing yet: there are no sources.
-  outputs_ = std::make_unique<Outputs>(getNodeHandle(), [this] { on_demand_change(); });
+  outputs_ = std::make_unique<Outputs>(getNodeHandle(), topics, [this] { on_demand_change(); });
   publisher_ = std::make_unique<FramePublisher>(
       [this](const StereoFrame& frame) { outputs_->publish(frame); }, health_);
-  auto sources = std::make_unique<Sources>(getNodeHandle(), getPrivateNodeHandle(), sync, board,
-                                           health_, *publisher_, [this] { on_demand_change(); });
+  auto sources =
+      std::make_unique<Sources>(getNodeHandle(), getPrivateNodeHandle(), options, health_,
+                                *outputs_, *publisher_, [this] { on_demand_change(); });
   const MutexLock lock(mutex_);
   sources_ = std::move(sources);
   sources_->set_settings(settings_);
@@ -196,3 +164,4 @@ bool StereoNodelet::on_device_info(Trigger::Request&, Trigger::Response& respons
 }  // namespace fpga_stereo
 
 PLUGINLIB_EXPORT_CLASS(fpga_stereo::StereoNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(fpga_stereo::DisparityNodelet, nodelet::Nodelet)

@@ -1,170 +1,133 @@
 #include "ros/topic_input.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <utility>
 
 namespace fpga_stereo {
 namespace {
 
-constexpr std::array<const char*, 4> kTopicNames{"left/image_raw", "left/camera_info",
-                                                 "right/image_raw", "right/camera_info"};
-const ros::WallDuration kSilence(3.0);  // a topic without messages for this long is silent
+std::string image_topic(const std::string& camera, PairKind kind) {
+  return camera + (kind == PairKind::kRaw ? "/image_raw" : "/image_rect");
+}
 
 }  // namespace
 
-TopicInput::TopicInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
+TopicInput::TopicInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, PairKind kind,
                        const SyncSettings& settings, Health& health, StampGate& gate,
-                       Callback callback)
+                       Callbacks callbacks)
     : nh_(nh),
       private_nh_(private_nh),
-      settings_(settings),
+      kind_(kind),
+      names_{image_topic("left", kind), "left/camera_info", image_topic("right", kind),
+             "right/camera_info"},
       health_(health),
       gate_(gate),
-      callback_(std::move(callback)),
-      transport_(nh) {
-  using boost::placeholders::_1;
-  using boost::placeholders::_2;
-  using boost::placeholders::_3;
-  using boost::placeholders::_4;
-  // Registered before the synchronizer: a message is noted before the pair that it completes.
-  left_image_.registerCallback(boost::function<void(const sensor_msgs::ImageConstPtr&)>(
-      [this](const auto& m) { on_message(kLeftImage, m->header.stamp); }));
-  right_image_.registerCallback(boost::function<void(const sensor_msgs::ImageConstPtr&)>(
-      [this](const auto& m) { on_message(kRightImage, m->header.stamp); }));
+      callbacks_(std::move(callbacks)),
+      log_({{nh.resolveName(names_[kLeftImage]), false},
+            {nh.resolveName(names_[kLeftInfo]), true},
+            {nh.resolveName(names_[kRightImage]), false},
+            {nh.resolveName(names_[kRightInfo]), true}},
+           settings, health),
+      transport_(nh),
+      sync_(settings, left_of_pair_, left_info_, right_of_pair_, right_info_,
+            [this](const auto& left, const auto& left_info, const auto& right,
+                   const auto& right_info) { on_pair(left, left_info, right, right_info); }) {
+  left_image_.registerCallback(boost::function<void(const Event&)>(
+      [this](const Event& event) { on_image(kLeftImage, event); }));
+  right_image_.registerCallback(boost::function<void(const Event&)>(
+      [this](const Event& event) { on_image(kRightImage, event); }));
   left_info_.registerCallback(boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>(
-      [this](const auto& m) { on_message(kLeftInfo, m->header.stamp); }));
+      [this](const auto& m) { log_.arrived(kLeftInfo, m->header.stamp); }));
   right_info_.registerCallback(boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>(
-      [this](const auto& m) { on_message(kRightInfo, m->header.stamp); }));
-
-  const auto queue = static_cast<std::uint32_t>(settings_.queue_size);
-  if (settings_.approximate_sync) {
-    approximate_ = std::make_unique<message_filters::Synchronizer<Approximate>>(
-        Approximate(queue), left_image_, left_info_, right_image_, right_info_);
-    approximate_->setMaxIntervalDuration(ros::Duration(settings_.sync_tolerance));
-    approximate_->registerCallback(boost::bind(&TopicInput::on_pair, this, _1, _2, _3, _4));
-  } else {
-    exact_ = std::make_unique<message_filters::Synchronizer<Exact>>(
-        Exact(queue), left_image_, left_info_, right_image_, right_info_);
-    exact_->registerCallback(boost::bind(&TopicInput::on_pair, this, _1, _2, _3, _4));
-  }
-}
-
-void TopicInput::start() {
-  {
-    const MutexLock lock(mutex_);
-    if (is_subscribed_) return;
-    is_subscribed_ = true;
-    started_ = last_pair_ = ros::WallTime::now();
-    arrivals_ = {};
-    unpaired_.clear();
-  }
-  // Queues of 1 as in image_pipeline: the synchronizer has the queue that matters.
-  const image_transport::TransportHints hints("raw", ros::TransportHints(), private_nh_);
-  left_image_.subscribe(transport_, kTopicNames[kLeftImage], 1, hints);
-  left_info_.subscribe(nh_, kTopicNames[kLeftInfo], 1);
-  right_image_.subscribe(transport_, kTopicNames[kRightImage], 1, hints);
-  right_info_.subscribe(nh_, kTopicNames[kRightInfo], 1);
-}
-
-void TopicInput::stop() {
-  left_image_.unsubscribe();
-  left_info_.unsubscribe();
-  right_image_.unsubscribe();
-  right_info_.unsubscribe();
-  const MutexLock lock(mutex_);
-  is_subscribed_ = false;
-  health_.dropped(DropCause::kUnwanted, unpaired_.size());
-  unpaired_.clear();
+      [this](const auto& m) { log_.arrived(kRightInfo, m->header.stamp); }));
 }
 
 void TopicInput::set_demand(const Demand& demand) {
-  const MutexLock lock(mutex_);
-  demand_ = demand;
-}
-
-void TopicInput::on_message(Topic topic, const ros::Time& stamp) {
-  const MutexLock lock(mutex_);
-  arrivals_[topic] = {ros::WallTime::now(), stamp};
-  if (topic != kLeftImage) return;
-  health_.received();
-  const bool is_duplicate = !unpaired_.insert(stamp).second;
-  if (is_duplicate) health_.dropped(DropCause::kUnsynchronized);
-  if (unpaired_.size() > static_cast<std::size_t>(settings_.queue_size)) {
-    unpaired_.erase(unpaired_.begin());
-    health_.dropped(DropCause::kUnsynchronized);
+  {
+    const MutexLock lock(mutex_);
+    demand_ = demand;
+  }
+  const bool needs_pairs = demand.needs_pairs();
+  std::set<std::size_t> topics;
+  if (needs_pairs || demand.left.any_raw()) topics.insert(kLeftImage);
+  if (needs_pairs || demand.right.any_raw()) topics.insert(kRightImage);
+  if (needs_pairs) topics.insert({kLeftInfo, kRightInfo});
+  if (topics == subscribed_) return;
+  if (topics.empty()) {
+    subscribe(topics);
+    log_.stop();
+  } else {
+    log_.start(topics, needs_pairs);
+    subscribe(topics);
   }
 }
 
-std::optional<Demand> TopicInput::note_pair(const ros::Time& stamp) {
+void TopicInput::subscribe(const std::set<std::size_t>& topics) {
+  // Queues of 1 as in image_pipeline: the synchronizer has the queue that matters.
+  const image_transport::TransportHints hints("raw", ros::TransportHints(), private_nh_);
+  const auto change = [&](Topic topic, auto& subscriber, const auto& subscribe) {
+    const bool is_subscribed = subscribed_.count(topic) != 0;
+    if (topics.count(topic) == 0) {
+      subscriber.unsubscribe();
+    } else if (!is_subscribed) {
+      subscribe(subscriber, names_[topic]);
+    }
+  };
+  const auto subscribe_image = [&](auto& subscriber, const std::string& name) {
+    subscriber.subscribe(transport_, name, 1, hints);
+  };
+  const auto subscribe_info = [&](auto& subscriber, const std::string& name) {
+    subscriber.subscribe(nh_, name, 1);
+  };
+  change(kLeftImage, left_image_, subscribe_image);
+  change(kLeftInfo, left_info_, subscribe_info);
+  change(kRightImage, right_image_, subscribe_image);
+  change(kRightInfo, right_info_, subscribe_info);
+  subscribed_ = topics;
+}
+
+Demand TopicInput::demand() const {
   const MutexLock lock(mutex_);
-  last_pair_ = ros::WallTime::now();
-  const auto found = unpaired_.find(stamp);
-  if (found == unpaired_.end()) return std::nullopt;
-  // Older images will not find a partner any more.
-  health_.dropped(DropCause::kUnsynchronized,
-                  static_cast<std::uint64_t>(std::distance(unpaired_.begin(), found)));
-  unpaired_.erase(unpaired_.begin(), std::next(found));
   return demand_;
+}
+
+void TopicInput::on_image(Topic topic, const Event& event) {
+  const Side side = topic == kLeftImage ? Side::kLeft : Side::kRight;
+  const sensor_msgs::ImageConstPtr& image = event.getConstMessage();
+  const Demand demand = this->demand();
+  // Noted before the pair that it completes.
+  log_.arrived(topic, image->header.stamp);
+  if (!demand.needs_pairs()) {
+    if (demand.of(side).any_raw()) pass_on(side, image);
+    return;
+  }
+  // An image that cannot be decoded is refused with its pair.
+  if (demand.of(side).any_raw()) (void)callbacks_.image(side, image);
+  (side == Side::kLeft ? left_of_pair_ : right_of_pair_).add(event);
+}
+
+void TopicInput::pass_on(Side side, const sensor_msgs::ImageConstPtr& image) {
+  health_.received();
+  const ros::WallTime start = ros::WallTime::now();
+  if (const Status published = callbacks_.image(side, image); !published) {
+    return health_.refused(DropCause::kEncoding, published.error().message);
+  }
+  health_.published({}, (ros::WallTime::now() - start).toSec() * 1e3,
+                    (ros::Time::now() - image->header.stamp).toSec() * 1e3);
 }
 
 void TopicInput::on_pair(const sensor_msgs::ImageConstPtr& left,
                          const sensor_msgs::CameraInfoConstPtr& left_info,
                          const sensor_msgs::ImageConstPtr& right,
                          const sensor_msgs::CameraInfoConstPtr& right_info) {
-  const std::optional<Demand> demand = note_pair(left->header.stamp);
-  if (!demand) return;
+  if (!log_.completed(left->header.stamp)) return;
   const Result<std::uint64_t> number = gate_.accept(left->header.stamp);
   if (!number) {
     return health_.refused(DropCause::kStamp, "pair refused: " + number.error().message);
   }
-  Result<SourcePair> pair = decode_pair(left, left_info, right, right_info, *demand);
+  Result<SourcePair> pair = decode_pair(left, left_info, right, right_info, demand(), kind_);
   if (!pair) return health_.refused(DropCause::kEncoding, pair.error().message);
   (*pair).number = *number;
-  callback_(*pair);
-}
-
-std::optional<StateReport> TopicInput::trouble() const {
-  std::array<Arrival, kTopics> arrivals;
-  const ros::WallTime now = ros::WallTime::now();
-  {
-    const MutexLock lock(mutex_);
-    if (!is_subscribed_ || now - std::max(started_, last_pair_) < kSilence) return std::nullopt;
-    arrivals = arrivals_;
-  }
-  std::vector<std::string> silent;
-  bool has_images = true;
-  for (int topic = 0; topic < kTopics; ++topic) {
-    const ros::WallTime& when = arrivals[topic].when;
-    if (!when.isZero() && now - when < kSilence) continue;
-    if (topic == kLeftImage || topic == kRightImage) has_images = false;
-    silent.push_back(nh_.resolveName(kTopicNames[topic]));
-  }
-  return silent.empty() ? stamps_differ(arrivals) : silent_topics(silent, has_images);
-}
-
-StateReport TopicInput::silent_topics(const std::vector<std::string>& topics,
-                                      bool has_images) const {
-  const std::string names = fmt::format("{}", fmt::join(topics, ", "));
-  if (has_images) {
-    return {NodeState::kWaitingForCameraInfo, "no camera_info: nothing arrives on " + names};
-  }
-  return {NodeState::kWaitingForImages, "no images: nothing arrives on " + names};
-}
-
-StateReport TopicInput::stamps_differ(const std::array<Arrival, kTopics>& arrivals) const {
-  const auto [first, last] =
-      std::minmax_element(arrivals.begin(), arrivals.end(),
-                          [](const Arrival& a, const Arrival& b) { return a.stamp < b.stamp; });
-  const std::string rule = settings_.approximate_sync
-                               ? fmt::format("sync_tolerance is {:.4f} s", settings_.sync_tolerance)
-                               : "all four must be equal unless approximate_sync is set";
-  return {NodeState::kUnsynchronised,
-          fmt::format("not synchronised: the latest stamps of {} and {} are {:.4f} s apart; {}",
-                      nh_.resolveName(kTopicNames[first - arrivals.begin()]),
-                      nh_.resolveName(kTopicNames[last - arrivals.begin()]),
-                      (last->stamp - first->stamp).toSec(), rule)};
+  callbacks_.pair(*pair);
 }
 
 }  // namespace fpga_stereo

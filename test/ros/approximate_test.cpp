@@ -1,13 +1,17 @@
 // approximate_sync pairs images whose stamps differ by no more than the tolerance.
 #include <gtest/gtest.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/time_synchronizer.h>
 #include <stereo_msgs/DisparityImage.h>
+
+#include <atomic>
 
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {
 namespace {
 
-constexpr int kFrames = 10;
+constexpr int kFrames = 15;
 
 /// Publishes pairs every `period` s with the right image `offset` s later. Returns the left stamps.
 std::vector<ros::Time> publish(Rig& rig, double period, double offset) {
@@ -25,17 +29,36 @@ std::vector<ros::Time> publish(Rig& rig, double period, double offset) {
   return stamps;
 }
 
-TEST(Approximate, PairsWithinTheToleranceHaveTheStampOfTheLeftImage) {
+TEST(Approximate, WhatIsMadeOfAPairHasTheStampOfTheLeftImage) {
   Rig rig;
   Listener<stereo_msgs::DisparityImage> disparity(rig.nh(), "disparity");
-  Listener<sensor_msgs::Image> right(rig.nh(), "right/image_rect");
+  Listener<sensor_msgs::Image> left(rig.nh(), "left/image_rect"), depth(rig.nh(), "depth");
   ASSERT_TRUE(rig.node_listens());
   const auto stamps = publish(rig, 0.2, 0.01);
   // The synchronizer decides when the next messages arrive, so the last pairs stay in its queue.
   for (int i = 0; i < kFrames - 2; ++i) {
     EXPECT_TRUE(disparity.with_stamp(stamps[i])) << i;
-    EXPECT_TRUE(right.with_stamp(stamps[i])) << i;
+    EXPECT_TRUE(left.with_stamp(stamps[i])) << i;
+    EXPECT_TRUE(depth.with_stamp(stamps[i])) << i;
   }
+}
+
+TEST(Approximate, ExactSubscribersFindTheCameraInfoOfTheRightImage) {
+  Rig rig;
+  using sensor_msgs::CameraInfo;
+  using sensor_msgs::Image;
+  message_filters::Subscriber<Image> image(rig.nh(), "right/image_rect", 100);
+  message_filters::Subscriber<CameraInfo> info(rig.nh(), "right/camera_info", 100);
+  message_filters::TimeSynchronizer<Image, CameraInfo> sync(image, info, 100);
+  Listener<Image> all(rig.nh(), "right/image_rect");
+  std::atomic<std::size_t> matches{0};
+  const boost::function<void()> count = [&] { ++matches; };
+  sync.registerCallback(boost::bind(count));
+  ASSERT_TRUE(rig.node_listens());
+  publish(rig, 0.2, 0.01);
+  EXPECT_TRUE(eventually([&] { return all.count() >= kFrames - 2; }));
+  EXPECT_TRUE(eventually([&] { return matches == all.count(); }))
+      << matches << " of " << all.count();
 }
 
 TEST(Approximate, ImagesBeyondTheToleranceAreNotPaired) {

@@ -17,6 +17,7 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 using Nodes = std::set<std::string>;
+using Topology = std::map<std::string, Nodes>;
 
 /// Returns the topics that `node` sends to this process.
 std::set<std::string> topics_sent_by(const std::string& node) {
@@ -58,6 +59,30 @@ std::map<std::string, Nodes> others_by_topic(XmlRpcValue& topics) {
 }
 
 }  // namespace
+
+Topology publishers_by_topic() {
+  XmlRpcValue caller, answer, state;
+  caller[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", caller, answer, state, false)) return {};
+  Topology publishers;
+  for (int i = 0; i < state[0].size(); ++i) {
+    for (int k = 0; k < state[0][i][1].size(); ++k) {
+      const std::string topic = state[0][i][0], node = state[0][i][1][k];
+      publishers[topic].insert(node);
+    }
+  }
+  return publishers;
+}
+
+std::map<std::string, std::string> types_by_topic(const std::string& prefix) {
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  std::map<std::string, std::string> types;
+  for (const auto& topic : topics) {
+    if (topic.name.rfind(prefix, 0) == 0) types[topic.name.substr(prefix.size())] = topic.datatype;
+  }
+  return types;
+}
 
 bool all_links_are_up() {
   XmlRpcValue caller, answer, state;

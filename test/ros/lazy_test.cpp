@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "ros/graph.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {
@@ -39,6 +40,66 @@ TEST(Lazy, UnsubscribesWhenTheLastSubscriberLeaves) {
   const StereoStatus after = rig.status();
   EXPECT_EQ(after.frames_in, before.frames_in);
   EXPECT_EQ(after.state, StereoStatus::IDLE);
+}
+
+TEST(Lazy, AnImageOfOneCameraNeedsNeitherTheOtherNorACalibration) {
+  Rig rig;
+  PairMessages pair = synthetic_pair(kSize, 12);
+  pair.left_info = pair.right_info = sensor_msgs::CameraInfo();  // uncalibrated
+  for (const std::string camera : {"left", "right"}) {
+    for (const std::string topic : {"image_mono", "image_color"}) {
+      SCOPED_TRACE(camera + "/" + topic);
+      const bool is_left = camera == "left";
+      Listener<Image> images(rig.nh(), camera + "/" + topic);
+      Rig::Subscribers expected;
+      (is_left ? expected.left : expected.right) = 1;
+      ASSERT_TRUE(eventually([&] { return rig.subscribers() == expected; }));
+      ASSERT_TRUE(eventually(all_links_are_up));
+      ros::Time stamp = ros::Time::now();
+      pair.left.header.stamp = stamp;
+      pair.right.header.stamp = stamp + ros::Duration(1);
+      if (!is_left) stamp = pair.right.header.stamp;
+      rig.publish(pair, true);
+      const auto image = images.with_stamp(stamp);
+      ASSERT_TRUE(image);
+      EXPECT_EQ(image->data, is_left ? pair.left.data : pair.right.data);
+      EXPECT_TRUE(always([&] { return rig.subscribers() == expected; }, 0.2));
+      const StereoStatus status =
+          rig.status_when([](const StereoStatus& s) { return s.state == StereoStatus::STREAMING; });
+      EXPECT_EQ(status.state, StereoStatus::STREAMING) << status.state_text;
+    }
+  }
+  ASSERT_TRUE(rig.node_is_unsubscribed());
+}
+
+TEST(Lazy, SaysWhichImageOfOneCameraIsMissingOrCannotBeDecoded) {
+  Rig rig;
+  Listener<Image> mono(rig.nh(), "right/image_mono");
+  const StereoStatus silent = rig.status_when(
+      [](const StereoStatus& s) { return s.state == StereoStatus::WAITING_FOR_IMAGES; });
+  EXPECT_EQ(silent.state_text, "no images: nothing arrives on /stereo/right/image_raw");
+  PairMessages pair = synthetic_pair(kSize, 12);
+  pair.right.encoding = "jpeg";
+  rig.publish(pair);
+  const StereoStatus bad =
+      rig.status_when([](const StereoStatus& s) { return s.state == StereoStatus::BAD_IMAGE; });
+  EXPECT_EQ(bad.state_text.rfind("right image with encoding \"jpeg\"", 0), 0U) << bad.state_text;
+}
+
+TEST(Lazy, ImagesOfOneCameraComeBesidePairsWithTheirOwnStamps) {
+  Rig rig;
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  Listener<Image> mono(rig.nh(), "right/image_mono");
+  ASSERT_TRUE(rig.node_listens());
+  PairMessages pair = synthetic_pair(kSize, 12);
+  const ros::Time stamp = rig.publish(pair);
+  EXPECT_TRUE(disparity.with_stamp(stamp));
+  EXPECT_TRUE(mono.with_stamp(stamp));
+  pair.set_stamp(stamp + ros::Duration(1));
+  pair.right.header.stamp += ros::Duration(0.5);  // without a partner
+  rig.publish(pair, true);
+  EXPECT_TRUE(mono.with_stamp(pair.right.header.stamp));
+  EXPECT_EQ(disparity.count(), 1U);
 }
 
 TEST(Lazy, RectifiedImagesAloneNeedNoMatching) {

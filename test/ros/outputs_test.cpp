@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/stages.hpp"
+#include "ros/clouds.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {
@@ -19,29 +20,6 @@ using sensor_msgs::PointCloud2;
 using stereo_msgs::DisparityImage;
 
 const cv::Size kSize(160, 120);
-
-float float_at(const std::vector<std::uint8_t>& data, std::size_t offset) {
-  float value = 0;
-  std::memcpy(&value, &data[offset], sizeof value);
-  return value;
-}
-
-/// Expects core's disparity in every pixel of the message, and the marker in invalid pixels.
-void expect_disparity(const DisparityImage& message, const cv::Mat1w& expected, double offset) {
-  ASSERT_EQ(message.image.width, static_cast<unsigned>(expected.cols));
-  ASSERT_EQ(message.image.height, static_cast<unsigned>(expected.rows));
-  int different = 0;
-  for (int y = 0; y < expected.rows; ++y) {
-    for (int x = 0; x < expected.cols; ++x) {
-      const float value = float_at(message.image.data, y * message.image.step + x * 4);
-      const float wanted = expected(y, x) == kNoDisparity
-                               ? message.min_disparity - 1
-                               : static_cast<float>(expected(y, x) / 32.0 + offset);
-      if (value != wanted) ++different;
-    }
-  }
-  EXPECT_EQ(different, 0);
-}
 
 TEST(Outputs, AllShareTheStampAndTheFrameOfTheLeftImage) {
   Rig rig;

@@ -9,9 +9,8 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstring>
-#include <limits>
 
+#include "ros/clouds.hpp"
 #include "ros/conversions.hpp"
 #include "ros/rig.hpp"
 #include "support/data.hpp"
@@ -22,12 +21,6 @@ namespace {
 using sensor_msgs::Image;
 using sensor_msgs::PointCloud2;
 using stereo_msgs::DisparityImage;
-
-float float_at(const std::vector<std::uint8_t>& data, std::size_t offset) {
-  float value = 0;
-  std::memcpy(&value, &data[offset], sizeof value);
-  return value;
-}
 
 /// Writes the pairs to a bag, reads them back and publishes them.
 void play(Rig& rig, const std::vector<PairMessages>& frames) {
@@ -166,53 +159,6 @@ TEST_F(Peer, RectifiedImages) {
     difference += std::abs(ours->data[i] - theirs->data[i]);
   }
   EXPECT_LE(difference / static_cast<double>(ours->data.size()), 0.5);
-}
-
-/// Expects equal clouds, byte for byte except for the last bits of the coordinates.
-void expect_same_cloud(const PointCloud2& ours, const PointCloud2& theirs,
-                       const DisparityImage& disparity) {
-  EXPECT_EQ(ours.header.stamp, theirs.header.stamp);
-  EXPECT_EQ(ours.header.frame_id, theirs.header.frame_id);
-  EXPECT_EQ(ours.height, theirs.height);
-  EXPECT_EQ(ours.width, theirs.width);
-  EXPECT_EQ(ours.is_bigendian, theirs.is_bigendian);
-  EXPECT_EQ(ours.is_dense, theirs.is_dense);
-  EXPECT_EQ(ours.point_step, theirs.point_step);
-  EXPECT_EQ(ours.row_step, theirs.row_step);
-  ASSERT_EQ(ours.fields.size(), theirs.fields.size());
-  for (std::size_t i = 0; i < ours.fields.size(); ++i) {
-    EXPECT_EQ(ours.fields[i].name, theirs.fields[i].name);
-    EXPECT_EQ(ours.fields[i].offset, theirs.fields[i].offset);
-    EXPECT_EQ(ours.fields[i].datatype, theirs.fields[i].datatype);
-    EXPECT_EQ(ours.fields[i].count, theirs.fields[i].count);
-  }
-  ASSERT_EQ(ours.data.size(), theirs.data.size());
-
-  // Intended: the peer takes the smallest value of the image for the marker. If no pixel is
-  // invalid, it loses the farthest points; this node does not.
-  float smallest = std::numeric_limits<float>::max();
-  for (std::size_t i = 0; i < disparity.image.data.size(); i += 4) {
-    smallest = std::min(smallest, float_at(disparity.image.data, i));
-  }
-  int valid = 0, wrong = 0, colors = 0;
-  for (std::size_t i = 0; i < ours.data.size() / 32; ++i) {
-    const float value = float_at(disparity.image.data, i * 4);
-    const bool ours_valid = !std::isnan(float_at(ours.data, i * 32 + 8));
-    const bool theirs_valid = !std::isnan(float_at(theirs.data, i * 32 + 8));
-    if (ours_valid != theirs_valid && !(ours_valid && value == smallest)) ++wrong;
-    colors += std::memcmp(&ours.data[i * 32 + 16], &theirs.data[i * 32 + 16], 3) != 0;
-    if (!ours_valid || !theirs_valid) continue;
-    ++valid;
-    for (const std::size_t offset : {0, 4, 8}) {
-      const float a = float_at(ours.data, i * 32 + offset);
-      const float b = float_at(theirs.data, i * 32 + offset);
-      // The peer computes in float, so x and y near the axis have an absolute error.
-      wrong += std::abs(a - b) > 1e-5F * std::max(std::abs(b), float_at(theirs.data, i * 32 + 8));
-    }
-  }
-  EXPECT_GT(valid, 1000);
-  EXPECT_EQ(wrong, 0);
-  EXPECT_EQ(colors, 0);
 }
 
 TEST_F(Peer, CloudOfTheSameDisparity) {

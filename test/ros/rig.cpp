@@ -70,13 +70,14 @@ cv::Mat1w core_disparity(const PairMessages& pair, const Parameters& parameters)
   return pipeline.process(left, right, *rectification, parameters, 1).disparity.clone();
 }
 
-Rig::Rig()
-    : nh_("stereo"),
-      left_(nh_.advertise<sensor_msgs::Image>("left/image_raw", 10)),
-      right_(nh_.advertise<sensor_msgs::Image>("right/image_raw", 10)),
+Rig::Rig(const std::string& ns, const std::string& image, const std::string& node)
+    : nh_(ns),
+      node_(node),
+      left_(nh_.advertise<sensor_msgs::Image>("left/" + image, 10)),
+      right_(nh_.advertise<sensor_msgs::Image>("right/" + image, 10)),
       left_info_(nh_.advertise<sensor_msgs::CameraInfo>("left/camera_info", 10)),
       right_info_(nh_.advertise<sensor_msgs::CameraInfo>("right/camera_info", 10)),
-      status_(nh_, "fpga_stereo/status") {}
+      status_(nh_, node + "/status") {}
 
 ros::Time Rig::publish(PairMessages pair, bool keep_stamps) {
   // Strictly rising, even if the clock has not advanced.
@@ -92,24 +93,25 @@ ros::Time Rig::publish(PairMessages pair, bool keep_stamps) {
   return pair.left.header.stamp;
 }
 
+Rig::Subscribers Rig::subscribers() const {
+  return {left_.getNumSubscribers(), left_info_.getNumSubscribers(), right_.getNumSubscribers(),
+          right_info_.getNumSubscribers()};
+}
+
 bool Rig::node_listens() {
   return eventually([this] {
-    return left_.getNumSubscribers() > 0 && right_.getNumSubscribers() > 0 &&
-           left_info_.getNumSubscribers() > 0 && right_info_.getNumSubscribers() > 0 &&
-           all_links_are_up();
+    const Subscribers s = subscribers();
+    return s.left > 0 && s.left_info > 0 && s.right > 0 && s.right_info > 0 && all_links_are_up();
   });
 }
 
 bool Rig::node_is_unsubscribed() {
-  return eventually([this] {
-    return left_.getNumSubscribers() == 0 && right_.getNumSubscribers() == 0 &&
-           left_info_.getNumSubscribers() == 0 && right_info_.getNumSubscribers() == 0;
-  });
+  return eventually([this] { return subscribers() == Subscribers(); });
 }
 
 dynamic_reconfigure::Config Rig::reconfigure(const std::string& name, const std::string& value) {
   dynamic_reconfigure::Reconfigure call;
-  const std::string service = nh_.resolveName("fpga_stereo/set_parameters");
+  const std::string service = nh_.resolveName(node_ + "/set_parameters");
   ros::service::waitForService(service, ros::Duration(10));
   const bool number = value.find_first_not_of("0123456789.-") == std::string::npos;
   if (name == "uniqueness_ratio" || name == "cloud_max_rate") {

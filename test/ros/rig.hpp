@@ -93,11 +93,11 @@ PairMessages synthetic_pair(cv::Size size, int disparity, bool distorted = false
 /// Returns the disparity that the reference pipeline computes for the pair.
 cv::Mat1w core_disparity(const PairMessages& pair, const Parameters& parameters);
 
-/// Publishes a camera pair in the namespace "stereo", in which the node under test is called
-/// "fpga_stereo".
+/// Publishes a camera pair in a namespace, in which the node under test has the name `node`.
 class Rig {
  public:
-  Rig();
+  explicit Rig(const std::string& ns = "stereo", const std::string& image = "image_raw",
+               const std::string& node = "fpga_stereo");
 
   ros::NodeHandle& nh() { return nh_; }
   /// Publishes the pair with a fresh stamp, or with its own stamps if `keep_stamps`. Returns the
@@ -105,6 +105,16 @@ class Rig {
   ros::Time publish(PairMessages pair, bool keep_stamps = false);
   /// Waits until the node subscribes to all four topics and sends to every listener.
   bool node_listens();
+  /// How many subscribers each of the four topics has.
+  struct Subscribers {
+    unsigned left = 0, left_info = 0, right = 0, right_info = 0;
+
+    bool operator==(const Subscribers& o) const {
+      return left == o.left && left_info == o.left_info && right == o.right &&
+             right_info == o.right_info;
+    }
+  };
+  Subscribers subscribers() const;
   /// Waits until the node subscribes to none of the four topics.
   bool node_is_unsubscribed();
   /// Sets a parameter by name and text. Returns the parameters that the node answers with.
@@ -117,6 +127,7 @@ class Rig {
 
  private:
   ros::NodeHandle nh_;
+  const std::string node_;
   ros::Publisher left_, right_, left_info_, right_info_;
   Listener<StereoStatus> status_;
 };

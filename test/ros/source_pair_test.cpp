@@ -50,7 +50,7 @@ TEST(SourcePair, DecodesColourOnlyOnDemand) {
   EXPECT_TRUE(color->raw.right_color.empty());
 }
 
-TEST(SourcePair, HasTheStampOfTheLeftImageAndBothFrames) {
+TEST(SourcePair, HasTheStampAndTheFrameOfEachImage) {
   PairMessages messages = synthetic_pair(kSize, 4);
   messages.left.header.stamp = ros::Time(1600000000, 123456789);
   messages.right.header.stamp = messages.left.header.stamp + ros::Duration(0.01);
@@ -60,8 +60,26 @@ TEST(SourcePair, HasTheStampOfTheLeftImageAndBothFrames) {
   EXPECT_EQ(pair->raw.stamp_ns, 1600000000123456789);
   EXPECT_EQ(pair->left_header().stamp, messages.left.header.stamp);
   EXPECT_EQ(pair->left_header().frame_id, "stereo_left_optical_frame");
-  EXPECT_EQ(pair->right_header().stamp, messages.left.header.stamp);
+  EXPECT_EQ(pair->right_header().stamp, messages.right.header.stamp);
   EXPECT_EQ(pair->right_header().frame_id, "right_frame");
+}
+
+TEST(SourcePair, OfRectifiedImagesIsDescribedByPAlone) {
+  const PairMessages messages = synthetic_pair(kSize, 4, true);
+  const auto decode_as = [&](PairKind kind) {
+    const auto pair =
+        decode_pair(boost::make_shared<sensor_msgs::Image>(messages.left),
+                    boost::make_shared<sensor_msgs::CameraInfo>(messages.left_info),
+                    boost::make_shared<sensor_msgs::Image>(messages.right),
+                    boost::make_shared<sensor_msgs::CameraInfo>(messages.right_info), {}, kind);
+    EXPECT_TRUE(pair);
+    return pair->raw.calibration;
+  };
+  const StereoCalibration raw = decode_as(PairKind::kRaw);
+  EXPECT_EQ(raw.left.D.size(), 5U);
+  const StereoCalibration rectified = decode_as(PairKind::kRectified);
+  EXPECT_EQ(rectified.left, rectified_calibration(raw.left));
+  EXPECT_EQ(rectified.right, rectified_calibration(raw.right));
 }
 
 TEST(SourcePair, RefusesAnImageThatCannotBeDecodedByName) {

@@ -26,12 +26,10 @@ struct BoardDemand {
   // Rectified images; the right one not shifted by min_disparity.
   bool rectified_left = false, rectified_right = false;
   bool raw_left = false, raw_right = false;
-  /// Both raw images, if the board does not make the disparity: the software computes instead.
-  /// `disparity` and the rectified images imply it.
-  bool raw_pair = false;
   bool stamps = false;  // at least one image of every pair, whichever
 
-  bool wants_outputs() const { return disparity || rectified_left || rectified_right || raw_pair; }
+  /// Needs both raw images if the board does not make the disparity: the software computes instead.
+  bool wants_outputs() const { return disparity || rectified_left || rectified_right; }
 };
 
 /// What a connected board can do under the present parameters and calibration.

@@ -1,0 +1,65 @@
+#include "ros/cloud_input.hpp"
+
+#include <array>
+#include <utility>
+
+namespace fpga_stereo {
+namespace {
+
+enum CloudTopic { kDisparity, kColor, kLeftInfo, kRightInfo };
+constexpr std::array<const char*, 4> kCloudTopicNames{"disparity", "left/image_rect_color",
+                                                      "left/camera_info", "right/camera_info"};
+
+std::vector<ArrivalLog::Topic> logged_topics(const ros::NodeHandle& nh) {
+  std::vector<ArrivalLog::Topic> topics;
+  for (const char* name : kCloudTopicNames) topics.push_back({nh.resolveName(name), false});
+  topics[kLeftInfo].is_camera_info = topics[kRightInfo].is_camera_info = true;
+  return topics;
+}
+
+}  // namespace
+
+CloudInput::CloudInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
+                       const SyncSettings& settings, Health& health, Callback callback)
+    : nh_(nh),
+      private_nh_(private_nh),
+      callback_(std::move(callback)),
+      log_(logged_topics(nh), settings, health),
+      transport_(nh) {
+  const auto note = [this](auto& subscriber, CloudTopic topic, auto message) {
+    using Message = typename decltype(message)::element_type;
+    subscriber.registerCallback(boost::function<void(const boost::shared_ptr<Message>&)>(
+        [this, topic](const auto& m) { log_.arrived(topic, m->header.stamp); }));
+  };
+  note(disparity_, kDisparity, stereo_msgs::DisparityImageConstPtr());
+  note(color_, kColor, sensor_msgs::ImageConstPtr());
+  note(left_info_, kLeftInfo, sensor_msgs::CameraInfoConstPtr());
+  note(right_info_, kRightInfo, sensor_msgs::CameraInfoConstPtr());
+  // Registered last: a message is noted before the set that it completes.
+  sync_.emplace(settings, disparity_, color_, left_info_, right_info_,
+                [this](const auto& disparity, const auto& color, const auto& left_info,
+                       const auto& right_info) {
+                  if (!log_.completed(disparity->header.stamp)) return;
+                  callback_({disparity, color, left_info, right_info});
+                });
+}
+
+void CloudInput::set_subscribed(bool is_subscribed) {
+  if (std::exchange(is_subscribed_, is_subscribed) == is_subscribed) return;
+  if (!is_subscribed) {
+    disparity_.unsubscribe();
+    color_.unsubscribe();
+    left_info_.unsubscribe();
+    right_info_.unsubscribe();
+    return log_.stop();
+  }
+  log_.start({kDisparity, kColor, kLeftInfo, kRightInfo}, true);
+  // Queues of 1 as in image_pipeline: the synchronizer has the queue that matters.
+  const image_transport::TransportHints hints("raw", ros::TransportHints(), private_nh_);
+  disparity_.subscribe(nh_, kCloudTopicNames[kDisparity], 1);
+  color_.subscribe(transport_, kCloudTopicNames[kColor], 1, hints);
+  left_info_.subscribe(nh_, kCloudTopicNames[kLeftInfo], 1);
+  right_info_.subscribe(nh_, kCloudTopicNames[kRightInfo], 1);
+}
+
+}  // namespace fpga_stereo
