@@ -8,7 +8,9 @@
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "core/stages.hpp"
@@ -199,6 +201,41 @@ TEST(Conversions, GeometryEqualsImageGeometryWithBinningAndRoi) {
   EXPECT_DOUBLE_EQ(ours->geometry.cx_right, model.right().cx());
   EXPECT_DOUBLE_EQ(ours->geometry.cy, model.left().cy());
   EXPECT_DOUBLE_EQ(ours->geometry.baseline, model.baseline());
+}
+
+TEST(Conversions, DisparitiesShareThePixelsOfTheMessage) {
+  const cv::Mat1w disparity(3, 4, std::uint16_t{7 * 32});
+  const auto message = disparity_message(disparity, geometry({4, 3}), Parameters());
+  const auto floats = to_disparities(message);
+  ASSERT_TRUE(floats);
+  EXPECT_EQ(floats->size(), cv::Size(4, 3));
+  EXPECT_EQ(floats->data, message.image.data.data());
+  EXPECT_EQ(cv::countNonZero(*floats != 7), 0);
+}
+
+TEST(Conversions, RefusesDisparityImagesWhoseFieldsDoNotDescribeTheirData) {
+  using Message = stereo_msgs::DisparityImage;
+  const cv::Mat1w disparity(120, 160, std::uint16_t{7 * 32});
+  const Message good = disparity_message(disparity, geometry({160, 120}), Parameters());
+  const auto expect_refused = [&](const std::function<void(Message&)>& damage,
+                                  const std::string& words) {
+    Message message = good;
+    damage(message);
+    const auto floats = to_disparities(message);
+    ASSERT_FALSE(floats) << words;
+    EXPECT_NE(floats.error().message.find(words), std::string::npos) << floats.error().message;
+  };
+  expect_refused([](Message& m) { m.image.encoding = "mono16"; }, "allowed is the encoding 32FC1");
+  expect_refused([](Message& m) { m.image.width = 0; }, "it has no pixels");
+  expect_refused([](Message& m) { m.image.height = 1U << 31; }, "allowed are up to 1920x1200");
+  expect_refused([](Message& m) { m.image.step = 636; }, "a multiple of 4 from 640 on");
+  expect_refused([](Message& m) { m.image.step = 641; }, "a multiple of 4 from 640 on");
+  expect_refused([](Message& m) { m.image.step = 644; }, "the data must have 77280 bytes");
+  // 120 rows of 2^29 bytes are 0 bytes in 32 bits.
+  expect_refused([](Message& m) { m.image.step = 1U << 29; },
+                 "the data must have 64424509440 bytes");
+  expect_refused([](Message& m) { m.min_disparity = std::nanf(""); }, "min_disparity");
+  EXPECT_TRUE(to_disparities(good));
 }
 
 TEST(Conversions, Scales16BitGreyTo8Bit) {

@@ -67,7 +67,8 @@ Values start_parameters() {
           {"mid_exposure", number(board.mid_exposure_ms)},
           {"frame_interval", number(board.frame_interval)},
           {"verify", number(board.verify)},
-          {"keep_incomplete", board.keep_incomplete ? "true" : "false"}};
+          {"keep_incomplete", board.keep_incomplete ? "true" : "false"},
+          {"publish_images", OutputTopics().images ? "true" : "false"}};
 }
 
 /// Returns the parameters in a file of the folder config.
