@@ -111,8 +111,9 @@ void TopicInput::pass_on(Side side, const sensor_msgs::ImageConstPtr& image) {
   if (const Status published = callbacks_.image(side, image); !published) {
     return health_.refused(DropCause::kEncoding, published.error().message);
   }
+  const ros::Time& stamp = image->header.stamp;
   health_.published({}, (ros::WallTime::now() - start).toSec() * 1e3,
-                    (ros::Time::now() - image->header.stamp).toSec() * 1e3);
+                    stamp.isZero() ? 0 : (ros::Time::now() - stamp).toSec() * 1e3);
 }
 
 void TopicInput::on_pair(const sensor_msgs::ImageConstPtr& left,

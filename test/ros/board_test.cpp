@@ -107,6 +107,13 @@ TEST_F(Board, IsCalibratedWithoutARestart) {
   EXPECT_EQ(status_when(std::nullopt, "software", StereoStatus::UNCALIBRATED).state,
             StereoStatus::UNCALIBRATED);
   EXPECT_EQ(disparity_.count(), 0U);
+  {
+    Listener<Image> mono(rig_.nh(), "left/image_mono"), color(rig_.nh(), "right/image_color");
+    ASSERT_TRUE(eventually([&] { return mono.count() > 0 && color.count() > 0; }));
+    EXPECT_EQ(mono.last()->data, pair_.left.data);
+    EXPECT_EQ(color.last()->data, pair_.right.data);
+    EXPECT_EQ(mono.last()->header.frame_id, "stereo_left_optical_frame");
+  }
 
   ASSERT_TRUE(calibrate("left", pair_.left_info));
   ASSERT_TRUE(always([&] { return disparity_.count() == 0; }, 2))
