@@ -69,6 +69,14 @@ std::string allowed_values(const ParameterInfo& info) {
   return text;
 }
 
+double nearest_allowed(const ParameterInfo& info, double value) {
+  const double inside = std::clamp(value, info.min, info.max);
+  if (std::holds_alternative<double Parameters::*>(info.member)) return inside;
+  const double steps = std::floor((inside - info.min) / info.step + 0.5);
+  const double nearest = info.min + steps * info.step;
+  return nearest <= info.max ? nearest : nearest - info.step;
+}
+
 std::string to_text(const Parameters& parameters, const ParameterInfo& info) {
   const auto text = [](auto value) -> std::string {
     using T = decltype(value);

@@ -162,6 +162,23 @@ TEST(ParameterTable, SaysTheAllowedValues) {
   EXPECT_EQ(allowed_values(info_of("sgm_p2")), "6 to 15");
 }
 
+TEST(ParameterTable, FindsTheNearestAllowedNumber) {
+  const auto nearest = [](const char* name, double value) {
+    return nearest_allowed(info_of(name), value);
+  };
+  EXPECT_EQ(nearest("disparity_range", 512), 256);
+  EXPECT_EQ(nearest("disparity_range", -1), 8);
+  EXPECT_EQ(nearest("disparity_range", 69), 68);
+  EXPECT_EQ(nearest("disparity_range", 70), 72) << "halfway: the larger one";
+  EXPECT_EQ(nearest("disparity_range", 64), 64);
+  EXPECT_EQ(nearest("disparity_range", 64.7), 64);
+  EXPECT_EQ(nearest("correlation_window_size", 14), 15);
+  EXPECT_EQ(nearest("census_window_size", 10), 11);
+  EXPECT_EQ(nearest("min_disparity", -1e9), -128);
+  EXPECT_EQ(nearest("uniqueness_ratio", 100.5), 100);
+  EXPECT_EQ(nearest("uniqueness_ratio", 12.25), 12.25);
+}
+
 TEST(SetParameter, SetsEveryType) {
   Parameters p;
   EXPECT_TRUE(set_parameter(p, "disparity_range", "128"));

@@ -3,53 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <vector>
 
+#include "core/similar_names.hpp"
 #include "support/program.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
 
-/// Returns the edit distance of two texts (V. I. Levenshtein, 1966).
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({change, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
-}
-
-/// Returns a text that suggests names similar to `given`: few letters differ, or one contains the
-/// other.
+/// Returns a text that suggests names similar to `given`.
 template <class Items>
 std::string suggestion(const std::string& given, const Items& items) {
-  std::vector<std::string> near, all;
-  const std::string wanted = upper(given);
-  for (const auto& item : items) {
-    const std::string name = upper(item.name);
-    all.emplace_back(item.name);
-    const bool contains = wanted.size() > 2 && (name.find(wanted) != std::string::npos ||
-                                                wanted.find(name) != std::string::npos);
-    if (contains || distance(wanted, name) <= 3) near.emplace_back(item.name);
-  }
-  const bool few = near.empty() && all.size() <= 8;
-  std::string text;
-  for (const std::string& name : few ? all : near) text += (text.empty() ? "" : ", ") + name;
-  if (text.empty()) return "see board get --all";
-  return (few ? "allowed are " : "did you mean ") + text + (few ? "" : "?");
+  std::vector<std::string> all;
+  for (const auto& item : items) all.emplace_back(item.name);
+  const std::vector<std::string> near = similar_names(given, all);
+  if (!near.empty()) return fmt::format("did you mean {}?", fmt::join(near, ", "));
+  if (all.size() <= 8) return fmt::format("allowed are {}", fmt::join(all, ", "));
+  return "see board get --all";
 }
 
 }  // namespace

@@ -33,6 +33,10 @@ Parameters window_parameters();
 /// Returns the allowed values in words: "8 to 256 in steps of 4", "true or false".
 std::string allowed_values(const ParameterInfo& info);
 
+/// Returns the allowed number that is nearest to `value`, of two the larger one. For parameters
+/// that are numbers; `value` must not be NaN.
+double nearest_allowed(const ParameterInfo& info, double value);
+
 /// Returns the value of one parameter as text.
 std::string to_text(const Parameters& parameters, const ParameterInfo& info);
 
