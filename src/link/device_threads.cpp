@@ -38,6 +38,10 @@ LinkTrouble trouble_of(const Error& error) {
   }
 }
 
+Transport::Counters sum(const Transport::Counters& a, const Transport::Counters& b) {
+  return {a.bytes_in + b.bytes_in, a.bytes_out + b.bytes_out, a.stalls + b.stalls};
+}
+
 }  // namespace
 
 DeviceThreads::DeviceThreads(Device::Options options, Device::Callbacks callbacks)
@@ -187,8 +191,10 @@ void DeviceThreads::wait_to_retry() {
 }
 
 void DeviceThreads::close(LinkTrouble trouble, const std::string& why) {
+  closed_counters_ = sum(closed_counters_, transport_->counters());
   {
     const MutexLock lock(mutex_);
+    transport_counters_ = closed_counters_;
     closed_text_ = why;
     closed_trouble_ = trouble;
     session_.closed();
@@ -225,7 +231,7 @@ Status DeviceThreads::exchange() {
   if (!count) return count.error();
   const auto now = Clock::now();
   const double host = options_.host_clock();
-  const Transport::Counters counters = transport_->counters();
+  const Transport::Counters counters = sum(closed_counters_, transport_->counters());
   const MutexLock lock(mutex_);
   if (*count > 0) session_.receive(in_.data(), *count, now, host);
   session_.tick(now, host);

@@ -62,7 +62,8 @@ class DeviceThreads {
   // Used by the link thread only.
   std::unique_ptr<Transport> transport_;
   std::vector<std::uint8_t> in_, out_;
-  std::size_t written_ = 0;  // bytes of out_
+  std::size_t written_ = 0;              // bytes of out_
+  Transport::Counters closed_counters_;  // sums over the transports that are closed
   bool was_identified_ = false;
   std::string open_error_;  // of the last attempt, to report each error once
 

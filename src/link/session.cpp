@@ -58,6 +58,7 @@ void Session::restart() {
   flush();
   receiver_.forget_board();
   board_time_.reset();
+  polled_.reset();
   next_poll_ = now_ + options_.poll;
   configurator_->restart();
 }

@@ -97,6 +97,8 @@ class Session {
   void advance();
   void poll();
   Status take_poll(const RequestQueue::Values& values);
+  /// Adds what the board has counted since the last poll.
+  void count_up(const BoardCounters& now);
   void deliver();
   void flush();
   Receiver::Context context() const;
@@ -111,9 +113,10 @@ class Session {
   Receiver receiver_;
   Watchdog watchdog_;
 
-  int failures_ = 0;  // since the board was last in its desired state
-  Error refusal_;     // why the board is refused
-  BoardCounters board_;
+  int failures_ = 0;                     // since the board was last in its desired state
+  Error refusal_;                        // why the board is refused
+  BoardCounters board_;                  // counted up
+  std::optional<BoardCounters> polled_;  // the board's own, as last polled
   std::vector<std::string> notes_;
   std::optional<WatchdogStep> step_;
   std::optional<std::uint64_t> board_time_;  // us: when the board sent its last answer

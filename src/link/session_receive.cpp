@@ -5,6 +5,23 @@
 #include "link/session.hpp"
 
 namespace fpga_stereo::link {
+namespace {
+
+struct PolledCounter {
+  std::uint32_t BoardCounters::*counter;
+  std::uint32_t address;
+};
+constexpr PolledCounter kBoardCounters[]{{&BoardCounters::frames_in, spec::kRegFramesIn},
+                                         {&BoardCounters::frames_out, spec::kRegFramesOut},
+                                         {&BoardCounters::cut_frames, spec::kRegCutFrames},
+                                         {&BoardCounters::long_frames, spec::kRegLongFrames},
+                                         {&BoardCounters::buffer_errors, spec::kRegBufferErrors},
+                                         {&BoardCounters::frames_dropped, spec::kRegFramesDropped},
+                                         {&BoardCounters::bad_packets, spec::kRegBadPackets},
+                                         {&BoardCounters::lost_packets, spec::kRegLostPackets},
+                                         {&BoardCounters::input_errors, spec::kRegInputErrors}};
+
+}  // namespace
 
 void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, double host) {
   now_ = last_byte_ = now;
@@ -84,18 +101,24 @@ Status Session::take_poll(const RequestQueue::Values& values) {
     if (configurator_->is_stale()) return {};
     return Error{ErrorKind::kIo, kBoardWasReset};
   }
-  board_.errors = value_of(values, spec::kRegErrors);
-  board_.frames_in = value_of(values, spec::kRegFramesIn);
-  board_.frames_out = value_of(values, spec::kRegFramesOut);
-  board_.cut_frames = value_of(values, spec::kRegCutFrames);
-  board_.long_frames = value_of(values, spec::kRegLongFrames);
-  board_.buffer_errors = value_of(values, spec::kRegBufferErrors);
-  board_.frames_dropped = value_of(values, spec::kRegFramesDropped);
-  board_.bad_packets = value_of(values, spec::kRegBadPackets);
-  board_.lost_packets = value_of(values, spec::kRegLostPackets);
-  board_.input_errors = value_of(values, spec::kRegInputErrors);
+  if (is_set_up) {
+    BoardCounters now;
+    now.errors = value_of(values, spec::kRegErrors);
+    for (const auto& [counter, address] : kBoardCounters) now.*counter = value_of(values, address);
+    count_up(now);
+  }
   watchdog_.on_poll(board_.frames_in, state_ == LinkState::kStreaming);
   return {};
+}
+
+void Session::count_up(const BoardCounters& now) {
+  const BoardCounters last = std::exchange(polled_, now).value_or(now);
+  board_.errors = now.errors;
+  for (const auto& [counter, address] : kBoardCounters) {
+    const std::uint32_t added = now.*counter - last.*counter;
+    const bool was_cleared = static_cast<std::int32_t>(added) < 0;
+    board_.*counter += was_cleared ? 0 : added;
+  }
 }
 
 Receiver::Context Session::context() const {

@@ -63,12 +63,17 @@ std::string Tally::text(const FrameSource& source) const {
   const auto rate = [&](std::uint64_t count, double unit) {
     return rounded(static_cast<double>(count) / unit / time, 2);
   };
+  using Counters = link::BoardCounters;
+  const auto counted = [&](std::uint32_t Counters::*counter) {
+    return end.board.*counter - start_.board.*counter;
+  };
   Table table;
   table.line("line", end.description.empty() ? end.trouble_text : end.description);
   table.line("time", rounded(time, 2), " s");
   const std::uint64_t bytes = end.decoder.bytes - start_.decoder.bytes;
   table.line("bytes", bytes, " from the board, ", rate(bytes, 1e6), " MB/s; ",
-             end.transport.bytes_out, " to it; ", end.transport.stalls, " stalls of the link");
+             end.transport.bytes_out - start_.transport.bytes_out, " to it; ",
+             end.transport.stalls - start_.transport.stalls, " stalls of the link");
   for (const StreamName& each : kStreamNames) {
     if (!streams_.contains(each.stream)) continue;
     const std::uint64_t count = frames_[static_cast<std::size_t>(each.stream)];
@@ -78,8 +83,8 @@ std::string Tally::text(const FrameSource& source) const {
   for (const auto& [verdict, name] : kCauses) {
     causes += fmt::format(", {} {}", dropped_[static_cast<std::size_t>(verdict)], name);
   }
-  table.line("dropped", end.board.frames_dropped - start_.board.frames_dropped,
-             " by the board (link too slow)", causes, ", ", end.session.unknown_configurations,
+  table.line("dropped", counted(&Counters::frames_dropped), " by the board (link too slow)", causes,
+             ", ", end.session.unknown_configurations - start_.session.unknown_configurations,
              " of an unknown configuration");
   table.line("packets", end.decoder.packets - start_.decoder.packets, " good, ",
              end.decoder.lost_packets - start_.decoder.lost_packets, " lost, ",
@@ -107,11 +112,14 @@ std::string Tally::text(const FrameSource& source) const {
     steps += fmt::format("{} {}, ", link::name(step),
                          end.session.steps[index] - start_.session.steps[index]);
   }
-  table.line("watchdog", steps, "opened ", end.times_opened, " times; ", end.session.requests,
-             " requests, ", end.session.retries, " retries");
-  table.line("board", end.board.bad_packets, " bad and ", end.board.lost_packets,
-             " lost packets from the host; ", end.board.cut_frames, " cut and ",
-             end.board.long_frames, " long frames from the cameras, ", end.board.buffer_errors,
+  const auto requests = end.session.requests - start_.session.requests;
+  const auto retries = end.session.retries - start_.session.retries;
+  table.line("watchdog", steps, "opened ", end.times_opened, " times; ", requests, " requests, ",
+             retries, " retries");
+  table.line("board", counted(&Counters::bad_packets), " bad and ",
+             counted(&Counters::lost_packets), " lost packets from the host; ",
+             counted(&Counters::cut_frames), " cut and ", counted(&Counters::long_frames),
+             " long frames from the cameras, ", counted(&Counters::buffer_errors),
              " line buffer errors");
   return table.text();
 }

@@ -8,9 +8,11 @@
 
 namespace fpga_stereo::link {
 
-/// Counters that the board keeps, as last polled (twice a second).
+/// Counters that the board keeps, polled twice a second. They count what happened since the
+/// session's construction while a board was configured, not since the board's power-on: until its
+/// host configures it, a board counts every frame of its cameras as bad.
 struct BoardCounters {
-  std::uint32_t errors = 0;  // register ERRORS
+  std::uint32_t errors = 0;  // register ERRORS, as last polled
   std::uint32_t frames_in = 0, frames_out = 0, cut_frames = 0, long_frames = 0;
   std::uint32_t buffer_errors = 0, frames_dropped = 0, bad_packets = 0, lost_packets = 0;
   std::uint32_t input_errors = 0;

@@ -60,7 +60,7 @@ class Device {
     SessionCounters session;
     DecoderCounters decoder;
     FrameCounters frames;
-    Transport::Counters transport;   // since the transport was opened
+    Transport::Counters transport;   // of all transports opened
     std::uint64_t times_opened = 0;  // transports opened
     std::uint64_t undelivered = 0;   // frame sets dropped because the callbacks were too slow
     double clock_drift = 0;          // s per s: how much faster the board's clock runs
