@@ -5,9 +5,12 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/thread_safety.hpp"
 #include "fpga_stereo/core/result.hpp"
@@ -55,6 +58,49 @@ class Recorder : public Transport {
   /// Null once the recording has ended.
   std::unique_ptr<std::FILE, CloseFile> file_ FPGA_STEREO_GUARDED_BY(mutex_);
   std::optional<Error> failure_ FPGA_STEREO_GUARDED_BY(mutex_);
+};
+
+/// Reads the records of a recording.
+class RecordReader {
+ public:
+  struct Record {
+    std::uint64_t time = 0;  // us since the recording began
+    bool is_from_host = false;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  /// Opens a recording. Fails with kNotFound, kPermission, or kIo if it is none.
+  static Result<RecordReader> open(const std::string& path);
+  /// Reads the next record. Fails with kUnplugged at the end of the file, also within a record, and
+  /// with kIo at damage. A failure lasts.
+  Status next(Record& record);
+  /// Returns a text for people.
+  std::string description() const { return "the recording " + path_; }
+
+ private:
+  RecordReader(std::ifstream file, std::string path)
+      : file_(std::move(file)), path_(std::move(path)) {}
+  Error end(ErrorKind kind, const std::string& message);
+
+  std::ifstream file_;
+  std::string path_;
+  std::uint64_t offset_ = kRecordingHeaderBytes;  // in the file, of the next record
+  std::uint64_t time_ = 0;                        // us, of the last record
+  std::optional<Error> end_;
+};
+
+/// Waits for the records of a recording, whose time may run faster.
+class RecordClock {
+ public:
+  /// `speed` 0: nothing is waited for.
+  explicit RecordClock(double speed) : speed_(speed) {}
+  /// Waits until the record with this time is due, `timeout` at most. Returns whether it is due.
+  bool wait(std::uint64_t time, std::chrono::milliseconds timeout) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const double speed_;
+  const Clock::time_point start_ = Clock::now();
 };
 
 /// Opens a recording as a transport: read() gives what was read then, `speed` times as fast (0:

@@ -1,83 +1,14 @@
 #include "fpga_stereo/link/transport.hpp"
 
-#include <fmt/core.h>
-
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <optional>
 #include <utility>
 
 #include "link/hotplug_watch.hpp"
 #include "link/recording.hpp"
 #include "link/serial.hpp"
+#include "link/transport_name.hpp"
 #include "link/usb.hpp"
 
 namespace fpga_stereo::link {
-namespace {
-
-constexpr int kMaxBaud = 100'000'000;
-
-Error bad_name(const std::string& name, const std::string& why) {
-  return {ErrorKind::kInvalid,
-          fmt::format("'{}' is not a transport: {}; allowed are usb, usb:serial=NUMBER, "
-                      "usb:port=BUS-PORT, usb:match=REGEX, serial:PATH[:BAUD], replay:FILE[:SPEED]",
-                      name, why)};
-}
-
-std::string scheme_of(const std::string& name) { return name.substr(0, name.find(':')); }
-
-/// Parses a whole number or a decimal fraction; nullopt if anything else follows.
-std::optional<double> number(const std::string& text) {
-  if (text.empty() || text.find_first_not_of("0123456789.") != std::string::npos) {
-    return std::nullopt;
-  }
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (*end != '\0' || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-/// Splits "PATH:NUMBER". A text that exists as a path is not split: some names in
-/// /dev/serial/by-path end in ":1.0".
-std::pair<std::string, std::optional<double>> split_number(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  std::error_code failed;
-  if (colon != std::string::npos && !std::filesystem::exists(text, failed)) {
-    if (const auto value = number(text.substr(colon + 1))) return {text.substr(0, colon), value};
-  }
-  return {text, std::nullopt};
-}
-
-bool is_port(const std::string& text) {
-  const std::size_t dash = text.find('-');
-  return dash != std::string::npos && dash > 0 && dash + 1 < text.size() &&
-         text.find_first_not_of("0123456789-.") == std::string::npos;
-}
-
-Result<UsbSelection> parse_usb(const std::string& name, const std::string& rest) {
-  UsbSelection selection;
-  if (name == "usb") return selection;
-  const std::size_t equals = rest.find('=');
-  const std::string key = rest.substr(0, equals);
-  selection.value = equals == std::string::npos ? "" : rest.substr(equals + 1);
-  if (key == "serial") {
-    selection.by = UsbSelection::By::kSerial;
-  } else if (key == "port") {
-    selection.by = UsbSelection::By::kPort;
-  } else if (key == "match") {
-    selection.by = UsbSelection::By::kMatch;
-  } else {
-    return bad_name(name, "'" + key + "' does not select a board");
-  }
-  if (selection.value.empty()) return bad_name(name, key + " needs a value");
-  if (key == "port" && !is_port(selection.value)) {
-    return bad_name(name, "'" + selection.value + "' is not a port such as 1-2.3");
-  }
-  return selection;
-}
-
-}  // namespace
 
 std::vector<FoundDevice> list_devices() {
   auto devices = list_usb();
@@ -86,33 +17,26 @@ std::vector<FoundDevice> list_devices() {
 }
 
 Result<std::unique_ptr<Transport>> open_transport(const std::string& name) {
-  const std::size_t colon = name.find(':');
-  const std::string scheme = scheme_of(name);
-  const std::string rest = colon == std::string::npos ? "" : name.substr(colon + 1);
-  if (scheme == "usb") {
-    const auto selection = parse_usb(name, rest);
-    if (!selection) return selection.error();
-    return open_usb(*selection);
+  const auto selection = parse_transport_name(name);
+  if (!selection) return selection.error();
+  switch (selection->kind) {
+    case TransportName::Kind::kSerial:
+      return open_serial(selection->path, static_cast<int>(selection->number));
+    case TransportName::Kind::kReplay:
+      return open_replay(selection->path, selection->number);
+    case TransportName::Kind::kUsb:
+      break;
   }
-  if (scheme == "serial") {
-    const auto [path, baud] = split_number(rest);
-    if (path.empty()) return bad_name(name, "the path is missing");
-    const double rate = baud.value_or(kDefaultBaud);
-    if (rate < 1 || rate > kMaxBaud || rate != std::floor(rate)) {
-      return bad_name(name, "the baud rate must be a whole number from 1 to 100000000");
-    }
-    return open_serial(path, static_cast<int>(rate));
-  }
-  if (scheme == "replay") {
-    const auto [path, speed] = split_number(rest);
-    if (path.empty()) return bad_name(name, "the file is missing");
-    return open_replay(path, speed.value_or(1));
-  }
-  return bad_name(name, "'" + scheme + "' is not a kind of transport");
+  return open_usb(selection->usb);
+}
+
+Status check_transport_name(const std::string& name) {
+  if (const auto selection = parse_transport_name(name); !selection) return selection.error();
+  return {};
 }
 
 std::shared_ptr<HotplugWatch> watch_for(const std::string& name) {
-  return scheme_of(name) == "usb" ? std::make_shared<HotplugWatch>() : nullptr;
+  return name.substr(0, name.find(':')) == "usb" ? std::make_shared<HotplugWatch>() : nullptr;
 }
 
 }  // namespace fpga_stereo::link

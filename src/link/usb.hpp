@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ struct UsbOptions {
   std::size_t buffer_bytes = std::size_t{4} << 20;
   int latency_ms = 2;  // the chip's latency timer, 1 to 255
 };
+
+/// Compiles the regular expression of By::kMatch; any for other selections. Fails with kInvalid.
+Result<std::regex> match_of(const UsbSelection& selection);
 
 /// Opens a board and starts its transfers. Fails as open_transport() does.
 Result<std::unique_ptr<Transport>> open_usb(const UsbSelection& selection,

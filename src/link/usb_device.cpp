@@ -225,21 +225,24 @@ Status UsbDevice::receive(std::uint8_t request, std::uint16_t index, std::uint8_
                    fmt::format("{} does not answer request {}", name, request));
 }
 
-Result<UsbDevice> open_usb_device(const UsbSelection& selection) {
-  std::regex regex;
-  if (selection.by == UsbSelection::By::kMatch) {
-    try {
-      regex = std::regex(selection.value);
-    } catch (const std::regex_error& error) {
-      return Error{ErrorKind::kInvalid, fmt::format("'{}' is not a regular expression: {}",
-                                                    selection.value, error.what())};
-    }
+Result<std::regex> match_of(const UsbSelection& selection) {
+  if (selection.by != UsbSelection::By::kMatch) return std::regex();
+  try {
+    return std::regex(selection.value);
+  } catch (const std::regex_error& error) {
+    return Error{ErrorKind::kInvalid, fmt::format("'{}' is not a regular expression: {}",
+                                                  selection.value, error.what())};
   }
+}
+
+Result<UsbDevice> open_usb_device(const UsbSelection& selection) {
+  const auto regex = match_of(selection);
+  if (!regex) return regex.error();
   const auto context = make_usb_context();
   if (!context) return context.error();
   auto boards = find_boards(*context);
   for (auto& board : boards) {
-    if (!is_selected(board, selection, regex)) continue;
+    if (!is_selected(board, selection, *regex)) continue;
     const auto opened = open_board(*context, board);
     if (!opened) return opened.error();
     // Checked before claiming, so that serial adapters with the same chip keep their drivers.

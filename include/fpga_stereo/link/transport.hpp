@@ -83,6 +83,9 @@ using Opener = std::function<Result<std::unique_ptr<Transport>>()>;
 /// what was searched, what was found, and what helps.
 Result<std::unique_ptr<Transport>> open_transport(const std::string& name);
 
+/// Fails with kInvalid if open_transport() would, for a name that selects nothing.
+Status check_transport_name(const std::string& name);
+
 /// Returns a watch that signals when the device of this name may have come back; null for devices
 /// without hotplug events.
 std::shared_ptr<HotplugWatch> watch_for(const std::string& name);
