@@ -1,6 +1,7 @@
 #include "link/recorded_board.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "fpga_stereo/core/spec.hpp"
@@ -8,6 +9,8 @@
 
 namespace fpga_stereo::link {
 namespace {
+
+constexpr std::size_t kKeptRequests = 64;  // no late answer belongs to an older one
 
 std::vector<std::uint32_t> words_of(const Packet& packet) {
   std::vector<std::uint32_t> words;
@@ -43,6 +46,9 @@ bool RecordedConfiguration::equals(const GatewareConfiguration& other) const {
 }
 
 void RecordedBoard::add_from_host(const Packet& packet) {
+  if (packet.header.stream != Stream::kNone) return;  // a pair
+  requests_.push_back(packet.header.index);
+  if (requests_.size() > kKeptRequests) requests_.pop_front();
   const std::vector<std::uint32_t> words = words_of(packet);
   if (packet.header.type == PacketType::kWriteRegisters) {
     for (std::size_t i = 0; i + 1 < words.size(); i += 2) write(words[i], words[i + 1]);
@@ -53,8 +59,26 @@ void RecordedBoard::add_from_host(const Packet& packet) {
 
 void RecordedBoard::write(std::uint32_t address, std::uint32_t value) {
   if (is_configuration_register(address)) registers_[address] = value;
-  if (address == spec::kRegStreams) streams_ = StreamSet::from_bits(value);
-  if (address == spec::kRegControl && spec::kControlApply.get(value) != 0) is_applying_ = true;
+  // Frames in flight still come after the streams have been switched off.
+  if (address == spec::kRegStreams && value != 0) streams_ = StreamSet::from_bits(value);
+  if (address == spec::kRegControl && spec::kControlApply.get(value) != 0) apply();
+}
+
+void RecordedBoard::apply() {
+  if (!id_ || !identity_) return;
+  is_applying_ = true;
+  auto made = std::make_shared<RecordedConfiguration>();
+  made->configuration.build = identity_->build;
+  for (const auto& [address, value] : registers_) {
+    made->configuration.registers.push_back({address, value});
+  }
+  made->configuration.mesh = has_written_mesh() ? written_ : active_;
+  // The first frame may come before the answer. An apply that is sent twice may take effect twice.
+  configurations_[*id_ + 1] = std::move(made);
+}
+
+bool RecordedBoard::has_written_mesh() const {
+  return !written_[0].empty() || !written_[1].empty();
 }
 
 void RecordedBoard::write_mesh(const std::vector<std::uint32_t>& words) {
@@ -71,6 +95,12 @@ void RecordedBoard::write_mesh(const std::vector<std::uint32_t>& words) {
 void RecordedBoard::add_from_board(const Packet& packet) {
   const auto values = unpack_registers(packet);
   if (!values) return;
+  const std::uint16_t request = packet.header.index;
+  if (std::count(requests_.begin(), requests_.end(), request) == 0) {
+    forget();  // it answers another host
+  } else if (request != requests_.back()) {
+    return;  // it is late: the host has sent the request again
+  }
   std::optional<std::uint32_t> id;
   bool is_identity = false;
   for (const RegisterWrite& each : *values) {
@@ -79,7 +109,7 @@ void RecordedBoard::add_from_board(const Packet& packet) {
     is_identity |= each.address == spec::kRegIdentity;
     const bool is_wrong_mesh =
         each.address == spec::kRegMeshSignature && each.value != mesh_signature_;
-    if (is_wrong_mesh) written_ = active_ = {};
+    if (is_wrong_mesh) forget();
   }
   if (is_identity) {
     // The host starts anew: until it has configured the board, nobody knows what makes a frame.
@@ -93,16 +123,15 @@ void RecordedBoard::take_configuration_id(std::uint32_t id) {
   const bool is_new = id_ && *id_ != id;
   id_ = id;
   if (!is_new) return;
-  if (!std::exchange(is_applying_, false) || !identity_) return forget();
-  Meshes written = std::exchange(written_, {});
-  if (!written[0].empty() || !written[1].empty()) active_ = std::move(written);
-  auto made = std::make_shared<RecordedConfiguration>();
-  made->configuration.build = identity_->build;
-  for (const auto& [address, value] : registers_) {
-    made->configuration.registers.push_back({address, value});
-  }
-  made->configuration.mesh = active_;
-  configurations_[id] = std::move(made);
+  const auto made = configuration(id);
+  const bool is_ours = std::exchange(is_applying_, false) && made;
+  const auto& registers = is_ours ? made->configuration.registers : std::vector<RegisterWrite>();
+  const bool is_held =
+      is_ours && std::all_of(registers.begin(), registers.end(), [this](const RegisterWrite& each) {
+        return registers_[each.address] == each.value;
+      });
+  if (!is_held) return forget();  // another host or a reset, or the board holds other values
+  if (has_written_mesh()) active_ = std::exchange(written_, {});
 }
 
 void RecordedBoard::forget() {
@@ -114,8 +143,8 @@ void RecordedBoard::forget() {
 }
 
 std::shared_ptr<const RecordedConfiguration> RecordedBoard::configuration(std::uint32_t id) const {
-  const auto found = configurations_.find(id);
-  return found == configurations_.end() ? nullptr : found->second;
+  const auto after = configurations_.upper_bound(id);
+  return after == configurations_.begin() ? nullptr : std::prev(after)->second;
 }
 
 }  // namespace fpga_stereo::link

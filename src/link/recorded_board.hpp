@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,7 +34,10 @@ class RecordedBoard {
 
   void write(std::uint32_t address, std::uint32_t value);
   void write_mesh(const std::vector<std::uint32_t>& words);
-  /// Takes the register CONFIGURATION: a new id is that of the configuration applied last.
+  bool has_written_mesh() const;
+  /// Binds what was written to the ids from the next one on.
+  void apply();
+  /// Takes the register CONFIGURATION, which tells that the last apply took effect.
   void take_configuration_id(std::uint32_t id);
 
   std::optional<Identity> identity_;
@@ -43,8 +47,10 @@ class RecordedBoard {
   Meshes active_;                                     // empty: not known
   std::uint32_t mesh_signature_ = 0;                  // of the words written last
   bool is_applying_ = false;
-  std::optional<std::uint32_t> id_;  // register CONFIGURATION
-  std::map<std::uint32_t, std::shared_ptr<const RecordedConfiguration>> configurations_;  // by id
+  std::optional<std::uint32_t> id_;     // register CONFIGURATION
+  std::deque<std::uint16_t> requests_;  // ids of the last requests
+  /// By the first id for which they hold.
+  std::map<std::uint32_t, std::shared_ptr<const RecordedConfiguration>> configurations_;
 };
 
 }  // namespace fpga_stereo::link

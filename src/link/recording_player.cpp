@@ -16,6 +16,17 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
+/// Raw images accompany some pairs only.
+bool has_all(const FrameSet& set, StreamSet expected) {
+  const StreamSet optional{Stream::kRawLeft, Stream::kRawRight};
+  const StreamSet required = expected - optional;
+  const StreamSet wanted = required.empty() ? expected : required;
+  for (const Stream stream : wanted) {
+    if (set.image(stream).empty()) return false;
+  }
+  return true;
+}
+
 class Player : public RecordingPlayer {
  public:
   Player(RecordReader reader, double speed, StreamSet streams)
@@ -127,6 +138,8 @@ void Player::collect(bool is_end) {
   assembled_.clear();
   if (is_end) collector_.reset(sets_);
   for (FrameSet& set : sets_) {
+    // Where the recording breaks off, frames that had not begun are not lost.
+    if (is_end && set.dropped.empty() && !has_all(set, expected)) continue;
     auto configuration = board_.configuration(set.configuration);
     frames_.push_back({std::move(set), std::move(configuration)});
   }

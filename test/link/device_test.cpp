@@ -170,7 +170,10 @@ TEST(Device, SurvivesEveryUnplug) {
   }
   ASSERT_TRUE(rig.wait_for_frames(10));
   EXPECT_EQ(rig.wrong(), 0);
-  EXPECT_GE(rig.device->snapshot().times_opened, 20U);
+  const Device::Snapshot s = rig.device->snapshot();
+  EXPECT_GE(s.times_opened, 20U);
+  EXPECT_EQ(s.transport.bytes_in, s.decoder.bytes) << "of all connections";
+  EXPECT_GT(s.transport.bytes_out, 0U);
 }
 
 TEST(Device, ReportsWhyThereIsNoBoard) {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "link/packet.hpp"
+#include "link/recording_file.hpp"
 #include "link/test_folder.hpp"
 #include "link/transport_suite.hpp"
 
@@ -14,22 +14,6 @@ namespace fpga_stereo::test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-Bytes header() {
-  Bytes bytes(link::kRecordingMagic, link::kRecordingMagic + 8);
-  bytes.resize(link::kRecordingHeaderBytes);
-  link::put_u32(bytes.data() + 8, 1);
-  return bytes;
-}
-
-void append_record(Bytes& file, std::uint64_t time, std::uint8_t direction, const Bytes& bytes) {
-  const std::size_t at = file.size();
-  file.resize(at + link::kRecordHeaderBytes);
-  link::put_u64(file.data() + at, time);
-  link::put_u32(file.data() + at + 8, static_cast<std::uint32_t>(bytes.size()));
-  file[at + 12] = direction;
-  file.insert(file.end(), bytes.begin(), bytes.end());
-}
 
 class Recording : public testing::Test {
  protected:
@@ -101,7 +85,7 @@ TEST_F(Recording, ReplaysTheBytesThatWereRead) {
 }
 
 TEST_F(Recording, MayBreakOffAnywhere) {
-  Bytes file = header();
+  Bytes file = recording_header();
   append_record(file, 5, 0, {1, 2, 3});
   append_record(file, 6, 1, {9, 9});
   const std::size_t whole = file.size();
@@ -119,7 +103,7 @@ TEST_F(Recording, MayBreakOffAnywhere) {
 }
 
 TEST_F(Recording, NamesTheDamage) {
-  Bytes good = header();
+  Bytes good = recording_header();
   append_record(good, 5, 0, {1, 2, 3});
   const std::size_t second = good.size();
   append_record(good, 6, 0, {4});
@@ -145,11 +129,11 @@ TEST_F(Recording, RefusesOtherFiles) {
   Error error;
   replay(Bytes(15), error);
   EXPECT_EQ(error.kind, ErrorKind::kIo);
-  Bytes file = header();
+  Bytes file = recording_header();
   file[0] = 'f';
   replay(file, error);
   EXPECT_NE(error.message.find("not a recording of a link"), std::string::npos) << error.message;
-  file = header();
+  file = recording_header();
   file[8] = 2;
   replay(file, error);
   EXPECT_NE(error.message.find("has version 2; this program reads version 1"), std::string::npos)
@@ -160,7 +144,7 @@ TEST_F(Recording, RefusesOtherFiles) {
 }
 
 TEST_F(Recording, KeepsItsPace) {
-  Bytes file = header();
+  Bytes file = recording_header();
   append_record(file, 0, 0, {1});
   append_record(file, 80000, 0, {2});
   store(file);

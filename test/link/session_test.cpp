@@ -221,5 +221,25 @@ TEST(Session, TriesAnotherSettingAfterARefusal) {
   rig.expect_true_frames();
 }
 
+TEST(Session, CountsWhatTheBoardCountsWhileItIsConfigured) {
+  Streaming rig;
+  rig.run(1200);  // its cameras see pairs, but nobody has configured it
+  ASSERT_GT(rig.board.peek(spec::kRegLongFrames), 0U);
+  rig.want(1);
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.board().frames_in >= 20; }));
+  EXPECT_EQ(rig.session.board().long_frames, 0U);
+  EXPECT_EQ(rig.session.board().cut_frames, 0U);
+  const std::uint32_t before = rig.session.board().frames_in;
+  EXPECT_LT(before, rig.board.peek(spec::kRegFramesIn));
+
+  rig.session.closed();
+  rig.board.reset();
+  rig.run(200);
+  rig.session.opened(rig.now);
+  rig.want(2);
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.board().frames_in >= before + 20; }));
+  EXPECT_EQ(rig.session.board().long_frames, 0U);
+}
+
 }  // namespace
 }  // namespace fpga_stereo::test

@@ -23,7 +23,8 @@ namespace fpga_stereo::link {
 struct RecordedConfiguration {
   GatewareConfiguration configuration;
 
-  /// The parameters that its registers and the board's build hold.
+  /// The parameters that its registers and the board's build hold. min_disparity is not among them:
+  /// it is part of the right mesh.
   Parameters parameters() const;
   /// Returns true if registers and meshes are the same.
   bool equals(const GatewareConfiguration& other) const;
