@@ -31,6 +31,15 @@ TEST_F(BoardTest, ProbeGetAndSet) {
     EXPECT_TRUE(has_line(probed.out, line)) << line << " in:\n" << probed.out;
   }
 
+  for (const Strings& line :
+       {Strings{at("tty"), "--wait", "20"}, Strings{"--wait", "20", at("tty")},
+        Strings{"--device", at("tty"), "--wait", "20"},
+        Strings{"--wait", "20", "--device=" + device()}}) {
+    const Outcome again = board_alone(with({"probe"}, line));
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_TRUE(has_line(again.out, "disparities +16")) << again.out;
+  }
+
   const Outcome set =
       board("set", {"HEIGHT=0x30", "FLAGS.subpixel=0", "ERRORS=1", "CONTROL.clear=1"});
   EXPECT_EQ(set.code, 0) << set.err;
@@ -66,6 +75,9 @@ TEST_F(BoardTest, CaptureEqualsMatch) {
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_TRUE(has_line(run.out, "disparity +5 frames, .* f/s")) << run.out;
   EXPECT_EQ(expect_matched("captured"), 5);
+  for (const char* name : {"1", "2", "3", "4", "5"}) {
+    EXPECT_TRUE(exists(std::string("captured/disparity/") + name + ".png")) << name;
+  }
 
   // All files of all streams equal the pipeline.
   const auto rectification =
@@ -90,9 +102,9 @@ TEST_F(BoardTest, CaptureEqualsMatch) {
     EXPECT_TRUE(equal(read("right"), taps.right));
   }
   const std::string table = bytes(at("captured/frames.csv"));
-  EXPECT_EQ(table.find("frame_id,configuration,board_us,stamp,dropped\n"), 0U);
+  EXPECT_EQ(table.find("file,frame_id,configuration,board_us,stamp,dropped\n"), 0U);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 6);
-  EXPECT_TRUE(has_line(table, "[0-9]+,1,[0-9]+,[0-9]+\\.[0-9]{6},\"\"")) << table;
+  EXPECT_TRUE(has_line(table, "3\\.png,[0-9]+,1,[0-9]+,[0-9]+\\.[0-9]{6},\"\"")) << table;
 }
 
 TEST_F(BoardTest, CapturesARecording) {
@@ -128,6 +140,31 @@ TEST_F(BoardTest, CapturesARecording) {
   EXPECT_EQ(more.code, 1);
   EXPECT_NE(more.err.find("of 9999 frame sets: the recording has ended"), std::string::npos)
       << more.err;
+}
+
+TEST_F(BoardTest, CompareFindsTheFirstStageThatDiffers) {
+  start();
+  const Strings pair{at("images/left/0.png"), at("images/right/0.png")};
+  const Outcome equal = board("compare", with(pair, settings()));
+  ASSERT_EQ(equal.code, 0) << equal.err << equal.out;
+  EXPECT_TRUE(has_line(equal.out, "rectify +board (0x[0-9A-F]{8}), software \\1: equal"))
+      << equal.out;
+  EXPECT_TRUE(has_line(equal.out, "all 7 stages are equal")) << equal.out;
+  const Outcome textured = board("compare", {"--speckle-size", "30"});
+  EXPECT_EQ(textured.code, 0) << textured.err << textured.out;
+  expect_refused("board", board("compare", with(pair, {"--size", "32x32"})), 1,
+                 {"0.png is 64x48", "32x32"});
+  EXPECT_EQ(stop(), 0);
+
+  start({"--wrong", "SIGNATURE_SELECT=1", "SIGNATURE_SPECKLE=2"});
+  const Outcome wrong = board("compare", with(pair, settings()));
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_NE(wrong.err.find("select is the first stage of this board that differs"),
+            std::string::npos)
+      << wrong.err;
+  EXPECT_TRUE(has_line(wrong.out, "match .*: equal")) << wrong.out;
+  EXPECT_TRUE(has_line(wrong.out, "select +board 0x00000001, software .*: different")) << wrong.out;
+  EXPECT_TRUE(has_line(wrong.out, "check .*: equal")) << wrong.out;
 }
 
 TEST_F(BoardTest, SelfTest) {

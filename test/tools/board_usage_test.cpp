@@ -14,7 +14,7 @@ TEST_F(BoardUsage, EveryModeHasHelp) {
   const Outcome all = board_alone({"--help"});
   EXPECT_EQ(all.code, 0);
   for (const std::string mode : {"list", "probe", "get", "set", "upload", "capture", "measure",
-                                 "record", "selftest", "flash", "udev"}) {
+                                 "record", "selftest", "compare", "flash", "udev"}) {
     EXPECT_NE(all.out.find("\n  " + mode + " "), std::string::npos) << mode;
   }
   for (const std::string mode : {"set", "capture"}) {
@@ -30,6 +30,10 @@ TEST_F(BoardUsage, WrongUsage) {
   };
   refused({}, {"a mode is missing", "selftest"});
   refused({"probe", "pcie:0"}, {"'pcie:0' is not a transport", "serial:PATH"});
+  refused({"probe", "--device", "pcie:0"}, {"'pcie:0' is not a transport"});
+  refused({"probe", "usb", "--device", "usb:serial=1"}, {"two devices are given", "usb:serial=1"});
+  refused({"probe", "replay:" + at("x")}, {"a recording answers no requests", "capture"});
+  refused({"compare", "one.png"}, {"1 image files are given: allowed 2"});
   refused({"get", "WIDHT"}, {"no register is called \"WIDHT\"", "did you mean WIDTH"});
   refused({"get", "CONTROL"}, {"CONTROL is write only"});
   refused({"set", "STATUS=1"}, {"STATUS is read only"});
@@ -47,6 +51,14 @@ TEST_F(BoardUsage, NoBoard) {
   expect_refused("board", board_alone({"probe", device()}), 1, {at("tty"), "cannot be opened"});
   expect_refused("board", board_alone({"measure", "replay:" + at("none")}), 1,
                  {at("none"), "cannot be opened"});
+  // Paths and --device, as people type them.
+  for (const Strings& line :
+       {Strings{"/dev/does_not_exist"}, Strings{"--wait", "1", "/dev/does_not_exist"},
+        Strings{"--device", "/dev/does_not_exist"},
+        Strings{"--device=serial:/dev/does_not_exist"}}) {
+    expect_refused("board", board_alone(with({"probe"}, line)), 1,
+                   {"/dev/does_not_exist", "cannot be opened"});
+  }
   write_text("text", "no recording\n");
   expect_refused("board", board_alone({"measure", "replay:" + at("text")}), 1,
                  {"is not a recording of a link"});

@@ -1,6 +1,7 @@
 // Errors of match: exit code 2 for wrong usage, 1 for other failures.
 #include "fpga_stereo/core/parameters.hpp"
 #include "programs.hpp"
+#include "support/program.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -27,7 +28,7 @@ TEST_F(MatchUsage, HelpNamesEveryParameterWithItsRange) {
   EXPECT_EQ(run.err, "");
   const std::string text = on_one_line(run.out);
   for (const ParameterInfo& info : parameter_table()) {
-    EXPECT_NE(text.find("--" + info.name + " "), std::string::npos) << info.name;
+    EXPECT_NE(text.find("--" + option_name(info.name) + " "), std::string::npos) << info.name;
     EXPECT_NE(text.find("[" + allowed_values(info)), std::string::npos) << info.name;
     EXPECT_NE(text.find("default " + to_text({}, info) + "]"), std::string::npos) << info.name;
   }
@@ -88,7 +89,7 @@ TEST_F(MatchUsage, Options) {
   expect_refused({left_, right_, out, "--colour", "x.png"}, 2, {"--colour"});
   expect_refused({left_, right_, out, "--threads", "0"}, 2, {"--threads = 0", "1 to 256"});
   expect_refused({left_, right_, out, "--threads", "two"}, 2, {"--threads", "two"});
-  expect_refused({left_, right_, out, "--disparity_range"}, 2, {"--disparity_range"});
+  expect_refused({left_, right_, out, "--disparity-range"}, 2, {"--disparity-range"});
   expect_refused({left_, right_, out, "--subpixel", "true", "--subpixel", "true"}, 2,
                  {"--subpixel"});
   EXPECT_FALSE(exists("out.png"));
@@ -96,16 +97,16 @@ TEST_F(MatchUsage, Options) {
 
 TEST_F(MatchUsage, ParametersOutOfRange) {
   const std::string out = at("out.png");
-  expect_refused({left_, right_, out, "--disparity_range", "7"}, 2,
-                 {"--disparity_range", "\"7\"", "8 to 256 in steps of 4"});
-  expect_refused({left_, right_, out, "--census_window_size", "6"}, 2,
-                 {"--census_window_size", "\"6\"", "5 to 11 in steps of 2"});
-  expect_refused({left_, right_, out, "--uniqueness_ratio", "nan"}, 2,
-                 {"--uniqueness_ratio", "\"nan\"", "0 to 100"});
+  expect_refused({left_, right_, out, "--disparity-range", "7"}, 2,
+                 {"--disparity-range", "\"7\"", "8 to 256 in steps of 4"});
+  expect_refused({left_, right_, out, "--census-window-size", "6"}, 2,
+                 {"--census-window-size", "\"6\"", "5 to 11 in steps of 2"});
+  expect_refused({left_, right_, out, "--uniqueness-ratio", "nan"}, 2,
+                 {"--uniqueness-ratio", "\"nan\"", "0 to 100"});
   expect_refused({left_, right_, out, "--subpixel", "yes"}, 2,
                  {"--subpixel", "\"yes\"", "true or false"});
-  expect_refused({left_, right_, out, "--census_pattern", "dense"}, 2,
-                 {"--census_pattern", "\"dense\"", "sparse or full"});
+  expect_refused({left_, right_, out, "--census-pattern", "dense"}, 2,
+                 {"--census-pattern", "\"dense\"", "sparse or full"});
 }
 
 TEST_F(MatchUsage, Calibrations) {

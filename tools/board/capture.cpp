@@ -25,12 +25,15 @@ CommandLine command_line() {
   line.usage =
       "Usage: board capture [DEVICE] N --out FOLDER [options]\n"
       "Writes N complete frame sets. A frame set is all frames that the board made from one pair.\n"
-      "  FOLDER/STREAM/ID.png  disparity as match writes it (16 bit, 1/32 px, 65535 = none), "
+      "  FOLDER/STREAM/1.png   disparity as match writes it (16 bit, 1/32 px, 65535 = none), "
       "other\n"
-      "                        streams in grey; ID is the frame id\n"
-      "  FOLDER/frames.csv     one line per frame set, including incomplete ones: frame_id,\n"
-      "                        configuration id, board time in us (mid-exposure), stamp of this\n"
-      "                        machine in s (empty for recordings), reason if it was not written\n"
+      "                        streams in grey; the names are 1 to N, with leading zeros if N is\n"
+      "                        above 9\n"
+      "  FOLDER/frames.csv     one line per frame set, including incomplete ones: file (empty if "
+      "it\n"
+      "                        was not written), frame id, configuration id, board time in us\n"
+      "                        (mid-exposure), stamp of this machine in s (empty for recordings),\n"
+      "                        reason if it was not written\n"
       "The board uses the configuration of the last board upload. DEVICE may be replay:FILE.\n";
   line.positional = {"N"};
   line.options.add_options()("out", po::value<std::string>()->value_name("FOLDER"),
@@ -38,21 +41,22 @@ CommandLine command_line() {
   line.options.add_options()(
       "timeout", po::value<double>()->value_name("S")->default_value(10),
       "fail after this many seconds without a complete frame set [0.1 to 86400]");
-  add_frame_options(line.options, "disparity");
+  add_frame_options(line, "disparity");
   return line;
 }
 
 /// Writes captured frames to a folder.
 class CaptureFolder {
  public:
-  CaptureFolder(std::string path, link::StreamSet streams)
-      : path_(std::move(path)), streams_(streams) {
+  /// `count`: how many frame sets will be written at most.
+  CaptureFolder(std::string path, link::StreamSet streams, int count)
+      : path_(std::move(path)), streams_(streams), digits_(std::to_string(count).size()) {
     create_folder(path_);
     for (const StreamName& each : kStreamNames) {
       if (streams_.contains(each.stream)) create_folder(path_ + "/" + each.name);
     }
     table_.open(path_ + "/frames.csv");
-    table_ << "frame_id,configuration,board_us,stamp,dropped\n";
+    table_ << "file,frame_id,configuration,board_us,stamp,dropped\n";
     check();
   }
 
@@ -67,17 +71,16 @@ class CaptureFolder {
           streams_.contains(each.stream) && frames.set.image(each.stream).empty();
       if (is_missing && reason.empty()) reason = fmt::format("no {} frame came", each.name);
     }
-    table_ << frames.set.frame_id << "," << frames.set.configuration << "," << frames.set.timestamp
-           << ",";
+    const std::string file = reason.empty() ? fmt::format("{:0{}}.png", ++written_, digits_) : "";
+    table_ << file << "," << frames.set.frame_id << "," << frames.set.configuration << ","
+           << frames.set.timestamp << ",";
     if (frames.stamp) table_ << std::fixed << std::setprecision(6) << *frames.stamp;
     table_ << ",\"" << reason << "\"\n";
     check();
     if (!reason.empty()) return false;
-    std::ostringstream name;
-    name << std::setw(20) << std::setfill('0') << frames.set.frame_id << ".png";
     for (const StreamName& each : kStreamNames) {
       if (!streams_.contains(each.stream)) continue;
-      write_image(path_ + "/" + each.name + "/" + name.str(), frames.set.image(each.stream));
+      write_image(path_ + "/" + each.name + "/" + file, frames.set.image(each.stream));
     }
     return true;
   }
@@ -92,6 +95,8 @@ class CaptureFolder {
 
   const std::string path_;
   const link::StreamSet streams_;
+  const std::size_t digits_;  // of the file names
+  int written_ = 0;
   std::ofstream table_;
 };
 
@@ -105,7 +110,7 @@ int parse_count(const std::string& text) {
 
 }  // namespace
 
-void capture(const std::string& device, const Arguments& arguments) {
+void capture(const Arguments& arguments) {
   const auto parsed = parse(command_line(), arguments);
   if (!parsed) return;
   const po::variables_map& options = parsed->options;
@@ -116,8 +121,8 @@ void capture(const std::string& device, const Arguments& arguments) {
   require_range("--timeout", timeout, 0.1, 86400);
   const link::StreamSet streams = parse_streams(options["streams"].as<std::string>());
 
-  const auto source = open_frames(device, streams, patience(options));
-  CaptureFolder folder(options["out"].as<std::string>(), streams);
+  const auto source = open_frames(device_of(*parsed), streams, patience(options));
+  CaptureFolder folder(options["out"].as<std::string>(), streams, wanted);
   Tally tally(*source, streams);
   int written = 0;
   double last = 0;

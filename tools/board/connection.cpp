@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <thread>
 
@@ -25,12 +26,30 @@ double system_time() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
+/// True for the names of transports and the paths of serial lines.
+bool is_device(const std::string& text) {
+  std::error_code failed;
+  return text == "usb" || text.find(':') != std::string::npos || text.rfind("/dev/", 0) == 0 ||
+         std::filesystem::is_character_file(text, failed);
+}
+
 }  // namespace
 
-void add_patience(po::options_description& options) {
+void add_patience(CommandLine& line) {
+  line.is_device = is_device;
+  auto& options = line.options;
+  options.add_options()("device", po::value<std::string>()->value_name("DEVICE"),
+                        "the device, as board --help lists them, in place of the argument DEVICE");
   options.add_options()("wait", po::value<double>()->value_name("S")->default_value(3),
                         "seconds to wait for an answer of the board [0.1 to 3600]");
   options.add_options()("verbose", po::bool_switch(), "report events of the link on stderr");
+}
+
+std::string device_of(const Parsed& parsed) {
+  if (parsed.device.empty()) return "usb";
+  const bool is_name = parsed.device == "usb" || parsed.device.find(':') != std::string::npos;
+  const bool is_path = parsed.device[0] == '/' || !is_name;
+  return is_path ? "serial:" + parsed.device : parsed.device;
 }
 
 Patience patience(const po::variables_map& options) {
@@ -50,6 +69,9 @@ std::unique_ptr<Transport> open_line(const std::string& device) {
 
 Connection::Connection(const std::string& device, const Patience& patience, const Wrap& wrap)
     : name_(device), patience_(patience) {
+  if (device.rfind("replay:", 0) == 0) {
+    throw UsageError(device + ": a recording answers no requests: allowed for capture and measure");
+  }
   // Open the line now to report errors at once. Later the device reopens it whenever it is lost.
   auto first = std::make_shared<std::unique_ptr<Transport>>(open_line(device));
   link::Device::Options options;

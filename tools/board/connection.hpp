@@ -14,12 +14,15 @@
 
 namespace fpga_stereo::tools {
 
-/// --wait and --verbose.
+/// The options --wait and --verbose.
 struct Patience {
   double seconds = 3;    // timeout for answers of the board
   bool verbose = false;  // report events of the link on stderr
 };
-void add_patience(boost::program_options::options_description& options);
+/// Adds DEVICE, --device, --wait and --verbose.
+void add_patience(CommandLine& line);
+/// Returns the device that was given, or the default.
+std::string device_of(const Parsed& parsed);
 Patience patience(const boost::program_options::variables_map& options);
 
 /// Opens a transport. Throws UsageError for an invalid name and std::runtime_error for other

@@ -12,7 +12,7 @@
 
 namespace fpga_stereo::tools {
 
-void flash(const std::string&, const Arguments& arguments) {
+void flash(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board flash FILE [options]\n"

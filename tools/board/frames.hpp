@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,14 +30,17 @@ class FrameSource {
   virtual link::Device::Snapshot snapshot() const = 0;
 };
 
-/// Adds the options --streams, --wait and --verbose.
-void add_frame_options(boost::program_options::options_description& options,
-                       const std::string& default_streams);
+/// Adds DEVICE and the options --device, --streams, --wait and --verbose.
+void add_frame_options(CommandLine& line, const std::string& default_streams);
 
-/// Opens a recording, or a board and turns on these streams with its present configuration. Throws
-/// if the board is not configured or lacks a stream.
+/// Makes the configuration of a board that has been identified.
+using Configure = std::function<GatewareConfiguration(const link::Identity&)>;
+
+/// Opens a recording, or a board and turns on these streams, with its present configuration or that
+/// of `configure`. Throws if the board is not configured or lacks a stream.
 std::unique_ptr<FrameSource> open_frames(const std::string& device, link::StreamSet streams,
                                          const Patience& patience,
-                                         const Connection::Wrap& wrap = nullptr);
+                                         const Connection::Wrap& wrap = nullptr,
+                                         const Configure& configure = nullptr);
 
 }  // namespace fpga_stereo::tools

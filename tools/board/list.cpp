@@ -28,7 +28,7 @@ std::string problem(const link::FoundDevice& device) {
 
 }  // namespace
 
-void list_boards(const std::string&, const Arguments& arguments) {
+void list_boards(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board list\n"

@@ -13,23 +13,23 @@ namespace {
 
 struct Mode {
   const char* name;
-  bool takes_device;
   const char* about;
-  void (*run)(const std::string&, const Arguments&);
+  void (*run)(const Arguments&);
 };
 
 constexpr Mode kModes[]{
-    {"list", false, "list devices that may be a board", list_boards},
-    {"probe", true, "identify the board and check that it is compatible", probe},
-    {"get", true, "read registers by name", get_registers},
-    {"set", true, "write registers by name and read them back", set_registers},
-    {"upload", true, "send calibration and parameters to the board", upload},
-    {"capture", true, "write frames to image files", capture},
-    {"measure", true, "measure throughput, frame rates, losses and latency", measure},
-    {"record", true, "record all bytes of the link; replay:FILE plays them", record},
-    {"selftest", true, "compare the results of the board with the software", self_test},
-    {"flash", false, "load a bitstream into the FPGA", flash},
-    {"udev", false, "print or install the udev rule that gives users access", udev_rule},
+    {"list", "list devices that may be a board", list_boards},
+    {"probe", "identify the board and check that it is compatible", probe},
+    {"get", "read registers by name", get_registers},
+    {"set", "write registers by name and read them back", set_registers},
+    {"upload", "send calibration and parameters to the board", upload},
+    {"capture", "write frames to image files", capture},
+    {"measure", "measure throughput, frame rates, losses and latency", measure},
+    {"record", "record all bytes of the link; replay:FILE plays them", record},
+    {"selftest", "compare the results of the board with the software", self_test},
+    {"compare", "find the first stage of the board that differs from the software", compare},
+    {"flash", "load a bitstream into the FPGA", flash},
+    {"udev", "print or install the udev rule that gives users access", udev_rule},
 };
 
 std::string mode_names() {
@@ -50,17 +50,14 @@ void print_help() {
                "  usb:port=1-2.3       the board at this bus and port\n"
                "  usb:match=REGEX      the first board whose serial number or name matches\n"
                "  serial:PATH[:BAUD]   a serial port; the default is 1000000 baud\n"
+               "  /dev/...             the same with the default\n"
                "  replay:FILE[:SPEED]  a recording, for capture and measure; SPEED 0 is without "
                "delays\n";
 }
 
-bool is_device(const std::string& text) {
-  return text == "usb" || (text[0] != '-' && text.find(':') != std::string::npos);
-}
-
 void board(const Arguments& arguments) {
   if (arguments.empty()) throw UsageError("a mode is missing: allowed " + mode_names());
-  if (arguments[0] == "--help") return print_help();
+  if (is_help(arguments[0])) return print_help();
   if (arguments[0] == "--version") return print_version();
   const auto* mode = std::find_if(std::begin(kModes), std::end(kModes),
                                   [&](const Mode& m) { return m.name == arguments[0]; });
@@ -68,13 +65,7 @@ void board(const Arguments& arguments) {
     throw UsageError(fmt::format("unknown mode \"{}\": allowed {}", arguments[0], mode_names()));
   }
   catch_interrupts();
-  Arguments rest(arguments.begin() + 1, arguments.end());
-  std::string device = "usb";
-  if (mode->takes_device && !rest.empty() && !rest[0].empty() && is_device(rest[0])) {
-    device = rest[0];
-    rest.erase(rest.begin());
-  }
-  mode->run(device, rest);
+  mode->run(Arguments(arguments.begin() + 1, arguments.end()));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "board/build.hpp"
 #include "board/modes.hpp"
 #include "board/streams.hpp"
 #include "board/tally.hpp"
@@ -88,7 +89,7 @@ Result<std::unique_ptr<Transport>> record_line(std::unique_ptr<Transport> inner,
 
 }  // namespace
 
-void measure(const std::string& device, const Arguments& arguments) {
+void measure(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board measure [DEVICE] [SECONDS] [options]\n"
@@ -98,16 +99,16 @@ void measure(const std::string& device, const Arguments& arguments) {
       "which is\n"
       "measured to its end. The board uses the configuration of the last board upload.\n";
   line.rest = "SECONDS";
-  add_frame_options(line.options, "disparity");
+  add_frame_options(line, "disparity");
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   const double seconds = seconds_of(*parsed, 0);
   const link::StreamSet streams = parse_streams(parsed->options["streams"].as<std::string>());
-  const auto source = open_frames(device, streams, patience(parsed->options));
+  const auto source = open_frames(device_of(*parsed), streams, patience(parsed->options));
   run(*source, streams, seconds);
 }
 
-void record(const std::string& device, const Arguments& arguments) {
+void record(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board record [DEVICE] FILE [SECONDS] [options]\n"
@@ -115,25 +116,40 @@ void record(const std::string& device, const Arguments& arguments) {
       "SECONDS\n"
       "or until Ctrl-C; then prints the same as measure. If the link is lost and reopened, a new "
       "file\n"
-      "begins: FILE.2, FILE.3. Play a file with board measure or capture replay:FILE.\n"
-      "fpga_fw/spec/link.md defines the format.\n";
+      "begins: FILE.2, FILE.3. Play a file with board measure or capture replay:FILE, or in the "
+      "node as\n"
+      "the device replay:FILE. The node publishes the recorded disparity only if it knows how it "
+      "was made:\n"
+      "--left-info, --right-info and parameters configure the board first, as board upload does, "
+      "and so\n"
+      "record the configuration. fpga_fw/spec/link.md defines the format.\n";
   line.positional = {"FILE"};
   line.rest = "SECONDS";
-  add_frame_options(line.options, "disparity");
+  add_frame_options(line, "disparity");
+  add_configuration_options(line);
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   const double seconds = seconds_of(*parsed, 1);
+  Configure configure;
+  if (check_configuration_options(parsed->options)) {
+    configure = [&](const link::Identity& identity) {
+      return board_configuration(parsed->options, identity.build).gateware;
+    };
+  }
   const link::StreamSet streams = parse_streams(parsed->options["streams"].as<std::string>());
+  const std::string device = device_of(*parsed);
   if (device.compare(0, 7, "replay:") == 0) throw UsageError(device + " is a recording already");
   auto recordings = std::make_shared<Recordings>();
   recordings->path = parsed->positional[0];
   if (!std::ofstream(recordings->path)) {
     throw std::runtime_error(recordings->path + ": cannot be written: " + std::strerror(errno));
   }
-  auto source = open_frames(device, streams, patience(parsed->options),
-                            [recordings](std::unique_ptr<Transport> inner) {
-                              return record_line(std::move(inner), recordings);
-                            });
+  auto source = open_frames(
+      device, streams, patience(parsed->options),
+      [recordings](std::unique_ptr<Transport> inner) {
+        return record_line(std::move(inner), recordings);
+      },
+      configure);
   run(*source, streams, seconds);
   source.reset();  // writes the rest of the recording
   require(recordings->status);

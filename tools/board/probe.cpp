@@ -44,16 +44,16 @@ std::string streams_text(const link::Identity& identity) {
 
 }  // namespace
 
-void probe(const std::string& device, const Arguments& arguments) {
+void probe(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board probe [DEVICE] [options]\n"
       "Prints the build parameters, streams and round-trip time of the board. If the board is not\n"
       "compatible with this software, the exit code is 1 and the message says what to do.\n";
-  add_patience(line.options);
+  add_patience(line);
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
-  Connection board(device, patience(parsed->options));
+  Connection board(device_of(*parsed), patience(parsed->options));
   const link::Identity identity = board.identify();
   const auto times = round_trips(board);
   const GatewareBuild& build = identity.build;

@@ -102,7 +102,7 @@ void apply(Connection& board, const Change& change) {
 
 }  // namespace
 
-void get_registers(const std::string& device, const Arguments& arguments) {
+void get_registers(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board get [DEVICE] REGISTER... [options]\n"
@@ -113,7 +113,7 @@ void get_registers(const std::string& device, const Arguments& arguments) {
   line.rest = "REGISTER";
   line.options.add_options()("all", boost::program_options::bool_switch(),
                              "every register that can be read");
-  add_patience(line.options);
+  add_patience(line);
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   std::vector<const Register*> wanted;
@@ -128,7 +128,7 @@ void get_registers(const std::string& device, const Arguments& arguments) {
     }
   }
   if (wanted.empty()) throw UsageError("REGISTER is missing: allowed are register names, or --all");
-  Connection board(device, patience(parsed->options));
+  Connection board(device_of(*parsed), patience(parsed->options));
   board.identify();
   std::vector<std::uint32_t> addresses;
   addresses.reserve(wanted.size());
@@ -137,7 +137,7 @@ void get_registers(const std::string& device, const Arguments& arguments) {
   for (std::size_t i = 0; i < wanted.size(); ++i) print(*wanted[i], values[i]);
 }
 
-void set_registers(const std::string& device, const Arguments& arguments) {
+void set_registers(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board set [DEVICE] REGISTER=VALUE... [options]\n"
@@ -148,7 +148,7 @@ void set_registers(const std::string& device, const Arguments& arguments) {
       "take\n"
       "effect with CONTROL.apply=1, at the next frame.\n";
   line.rest = "REGISTER=VALUE";
-  add_patience(line.options);
+  add_patience(line);
   line.notes = "Registers that can be written:\n";
   for (const Register& reg : spec::register_table()) {
     if (reg.access == Access::kReadOnly) continue;
@@ -159,7 +159,7 @@ void set_registers(const std::string& device, const Arguments& arguments) {
   std::vector<Change> changes;
   for (const std::string& text : parsed->positional) changes.push_back(parse_change(text));
   if (changes.empty()) throw UsageError("REGISTER=VALUE is missing");
-  Connection board(device, patience(parsed->options));
+  Connection board(device_of(*parsed), patience(parsed->options));
   board.identify();
   for (const Change& change : changes) apply(board, change);
 }

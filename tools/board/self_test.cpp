@@ -4,22 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <opencv2/imgproc.hpp>
 
 #include "board/build.hpp"
 #include "board/modes.hpp"
+#include "board/pairs.hpp"
 #include "board/streams.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
-#include "support/interrupt.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
 
 namespace po = boost::program_options;
 
-constexpr double kMinLinkSpeed = 100e3;       // bytes/s
-constexpr double kRetryTime = 15;             // s: for pairs that the link loses
-constexpr double kConfigurationTimeout = 30;  // s
+constexpr double kMinLinkSpeed = 100e3;  // bytes/s
+constexpr double kRetryTime = 15;        // s: for pairs that the link loses
 
 /// One pair with its parameters and rectification.
 struct Case {
@@ -29,22 +27,6 @@ struct Case {
   StereoRectification rectification;
   cv::Mat1b left, right;
 };
-
-/// Creates a textured pair. The disparity changes every 8 rows; noise makes some matches ambiguous.
-void make_pair(cv::Size size, unsigned seed, int disparities, cv::Mat1b& left, cv::Mat1b& right) {
-  cv::RNG random(seed * 7919 + 1);
-  right.create(size);
-  random.fill(right, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(right, right, {0, 0}, 0.8);
-  left.create(size);
-  for (int y = 0; y < size.height; ++y) {
-    const int moved = y / 8 * 3 % std::max(disparities - 1, 1);
-    for (int x = 0; x < size.width; ++x) {
-      const int noise = random.uniform(0, 16) == 0 ? random.uniform(0, 64) : 0;
-      left(y, x) = cv::saturate_cast<std::uint8_t>(right(y, std::max(x - moved, 0)) + noise);
-    }
-  }
-}
 
 /// Returns a mesh that rotates the image about its centre, as far as the line buffer allows, and
 /// shifts it.
@@ -91,10 +73,10 @@ struct Comparison {
 class SelfTest {
  public:
   SelfTest(Connection& board, const link::Identity& identity, link::StreamSet streams)
-      : board_(board), identity_(identity), streams_(streams) {}
+      : board_(board), identity_(identity), streams_(streams), sender_(board, streams) {}
 
   /// Returns how many pairs the link lost.
-  int num_lost() const { return num_lost_; }
+  int num_lost() const { return sender_.num_lost(); }
 
   /// Sends the pair of a case and compares the results.
   Comparison run(const Case& test) {
@@ -102,7 +84,7 @@ class SelfTest {
         make_gateware_configuration(identity_.build, test.parameters, test.rectification);
     require(configuration, "this board cannot be tested with these settings: ");
     apply_configuration(board_, *configuration, ++tag_, streams_, true, kConfigurationTimeout);
-    const link::FrameSet set = send(test);
+    const link::FrameSet set = sender_.send(test.left, test.right, tag_);
     const DisparityFrame& frame = pipeline_.process(test.left, test.right, test.rectification,
                                                     test.parameters, cv::getNumberOfCPUs());
     Comparison all;
@@ -113,44 +95,6 @@ class SelfTest {
   }
 
  private:
-  /// Sends a pair, again if necessary. Returns its complete frame set.
-  link::FrameSet send(const Case& test) {
-    const double time = std::max(1.0, static_cast<double>(test.left.total()) * 6 / kMinLinkSpeed);
-    const auto begin = std::chrono::steady_clock::now();
-    const auto spent = [&] {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    };
-    for (; spent() < time + kRetryTime; ++num_lost_) {
-      const std::uint64_t id = ++frame_;
-      const bool sent = board_.wait_until(board_.patience(), [&](const Connection::Snapshot&) {
-        return board_.device().send_pair(test.left, test.right, id, id);
-      });
-      if (!sent) {
-        throw std::runtime_error("the board does not accept pairs: " +
-                                 board_.snapshot().trouble_text);
-      }
-      std::optional<link::FrameSet> found;
-      board_.wait_until(time, [&](const Connection::Snapshot&) {
-        for (auto& arrived : board_.take(std::chrono::milliseconds(20))) {
-          const auto& frames = arrived.frames;
-          if (frames.tag == tag_ && frames.set.frame_id == id) found = frames.set;
-        }
-        return found.has_value();
-      });
-      if (found && is_complete(*found)) return *found;
-    }
-    throw std::runtime_error(
-        fmt::format("no complete frame set came within {:g} s: check the link with board measure",
-                    time + kRetryTime));
-  }
-
-  bool is_complete(const link::FrameSet& set) const {
-    for (const StreamName& each : kStreamNames) {
-      if (streams_.contains(each.stream) && set.image(each.stream).empty()) return false;
-    }
-    return true;
-  }
-
   void compare(const Case& test, const std::string& name, const cv::Mat& board,
                const cv::Mat& software, Comparison& all) {
     if (board.empty()) return;
@@ -177,14 +121,14 @@ class SelfTest {
   Connection& board_;
   const link::Identity identity_;
   const link::StreamSet streams_;
+  PairSender sender_;
   Pipeline pipeline_;
-  std::uint64_t tag_ = 0, frame_ = 0;
-  int num_lost_ = 0;
+  std::uint64_t tag_ = 0;
 };
 
 }  // namespace
 
-void self_test(const std::string& device, const Arguments& arguments) {
+void self_test(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board selftest [DEVICE] [options]\n"
@@ -197,7 +141,7 @@ void self_test(const std::string& device, const Arguments& arguments) {
                              "size of the pairs [default: the maximum width, 4:3]");
   line.options.add_options()("pairs", po::value<int>()->value_name("N")->default_value(3),
                              "number of pairs, each sent with two calibrations [1 to 1000]");
-  add_patience(line.options);
+  add_patience(line);
   const auto parsed = parse(line, arguments);
   if (!parsed) return;
   const int pairs = parsed->options["pairs"].as<int>();
@@ -207,14 +151,9 @@ void self_test(const std::string& device, const Arguments& arguments) {
     size = parse_size(parsed->options["size"].as<std::string>());
   }
 
-  Connection board(device, patience(parsed->options));
+  Connection board(device_of(*parsed), patience(parsed->options));
   const link::Identity identity = board.identify();
-  if (!identity.supports(link::Stream::kInput) || !identity.supports(link::Stream::kDisparity)) {
-    throw std::runtime_error(
-        "this board accepts no pairs from the host or sends no disparity: see the streams that "
-        "board "
-        "probe prints");
-  }
+  require_host_pairs(identity);
   if (size.empty()) size = {identity.build.max_width, identity.build.max_width * 3 / 4};
   link::StreamSet streams;
   for (const auto stream :

@@ -26,7 +26,7 @@ void run_udevadm(const Arguments& arguments) {
 
 }  // namespace
 
-void udev_rule(const std::string&, const Arguments& arguments) {
+void udev_rule(const Arguments& arguments) {
   CommandLine line;
   line.usage =
       "Usage: board udev [--install]\n"

@@ -26,8 +26,8 @@ CommandLine command_line() {
       "Counts bad pixels on the Middlebury stereo evaluation, version 2. A pixel is bad if its\n"
       "error is above 1.0 px. DIR contains tsukuba, venus, teddy and cones; each of them contains\n"
       "imL.png, imR.png, groundtruth.png, nonocc.png, all.png and disc.png.\n"
-      "Algorithms: window sparse, window full, sgm full, sgm small. --stereo_algorithm,\n"
-      "--census_pattern and --sgm_build leave out those with other values.\n"
+      "Algorithms: window sparse, window full, sgm full, sgm small. --stereo-algorithm,\n"
+      "--census-pattern and --sgm-build leave out those with other values.\n"
       "Configurations, with the given or default parameters:\n"
       "  dense       with dense = true; percentage of bad pixels in nonocc, all and disc\n"
       "  raw         with --raw: no checks, no speckle filter, no sub-pixel refinement; the same\n"
@@ -40,7 +40,7 @@ CommandLine command_line() {
       "rms is the RMS error of the nonocc pixels that are not bad, in px. Its average leaves out\n"
       "tsukuba, whose ground truth is whole pixels.\n"
       "Every pair is searched over the range of the benchmark (16, 20, 60 and 60 disparities)\n"
-      "unless --disparity_range is given.\n"
+      "unless --disparity-range is given.\n"
       "--opencv adds OpenCV's StereoBM (window 15) and StereoSGBM (block size 5; also with\n"
       "MODE_SGBM_3WAY and MODE_HH), semi-dense and filled.\n";
   line.positional = {"DIR"};
@@ -84,7 +84,7 @@ std::vector<Parameters> algorithms(const po::variables_map& options) {
 class Evaluation {
  public:
   explicit Evaluation(const po::variables_map& options)
-      : range_given_(options.count("disparity_range") != 0),
+      : range_given_(options.count("disparity-range") != 0),
         given_(parameters_from(options)),
         num_threads_(threads(options)),
         wants_raw_(options["raw"].as<bool>()) {

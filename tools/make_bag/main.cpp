@@ -31,7 +31,7 @@ void print_help() {
 void make_bag(const Arguments& arguments) {
   if (arguments.empty())
     throw UsageError("a mode is missing: allowed are create, calibrate, extract");
-  if (arguments[0] == "--help") return print_help();
+  if (is_help(arguments[0])) return print_help();
   if (arguments[0] == "--version") return print_version();
   const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
                                  [&](const Mode& m) { return m.name == arguments[0]; });

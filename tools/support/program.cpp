@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
 
@@ -37,10 +39,55 @@ int run_program(const std::string& name, int argc, char** argv,
   }
 }
 
+namespace {
+
+/// Spells options as option_name() does, up to the argument "--".
+Arguments with_option_names(Arguments arguments) {
+  for (std::string& argument : arguments) {
+    if (argument == "--") break;
+    if (argument.rfind("--", 0) != 0) continue;
+    const std::size_t end = std::min(argument.find('='), argument.size());
+    argument = "--" + option_name(argument.substr(2, end - 2)) + argument.substr(end);
+  }
+  return arguments;
+}
+
+/// Moves the device from the positional arguments or --device to its place.
+void take_device(const CommandLine& line, Parsed& parsed) {
+  if (line.is_device == nullptr) return;
+  auto& positional = parsed.positional;
+  if (parsed.options.count("device") != 0)
+    parsed.device = parsed.options["device"].as<std::string>();
+  if (positional.empty() || !line.is_device(positional[0])) return;
+  if (!parsed.device.empty()) {
+    throw UsageError(fmt::format("two devices are given: \"{}\" and --device \"{}\"", positional[0],
+                                 parsed.device));
+  }
+  parsed.device = positional[0];
+  positional.erase(positional.begin());
+}
+
+}  // namespace
+
+std::string option_name(const std::string& name) {
+  std::string option;
+  for (const char c : name) {
+    if (std::isupper(static_cast<unsigned char>(c)) != 0) {
+      option += '-';
+      option += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else {
+      option += c == '_' ? '-' : c;
+    }
+  }
+  return option;
+}
+
+bool is_help(const std::string& argument) { return argument == "-h" || argument == "--help"; }
+
 std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments) {
   constexpr const char* kPositional = "positional-arguments";
   po::options_description visible = line.options;
-  visible.add_options()("help", "print this help and exit")("version", "print versions and exit");
+  visible.add_options()("help,h", "print this help and exit")("version", "print versions and exit");
   po::options_description all;
   all.add(visible).add_options()(kPositional, po::value<std::vector<std::string>>());
   po::positional_options_description positions;
@@ -50,9 +97,12 @@ std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments)
   // No abbreviations: their meaning would change when an option is added.
   const int style = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
   try {
-    po::store(
-        po::command_line_parser(arguments).options(all).positional(positions).style(style).run(),
-        parsed.options);
+    po::store(po::command_line_parser(with_option_names(arguments))
+                  .options(all)
+                  .positional(positions)
+                  .style(style)
+                  .run(),
+              parsed.options);
     if (parsed.options.count("help") != 0) {
       std::cout << line.usage << "\n" << visible << line.notes;
       return std::nullopt;
@@ -68,6 +118,7 @@ std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments)
   if (parsed.options.count(kPositional) != 0) {
     parsed.positional = parsed.options[kPositional].as<std::vector<std::string>>();
   }
+  take_device(line, parsed);
   if (parsed.positional.size() < line.positional.size()) {
     throw UsageError(fmt::format("{} is missing", line.positional[parsed.positional.size()]));
   }

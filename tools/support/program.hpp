@@ -40,17 +40,28 @@ struct CommandLine {
   std::string usage;                    // first lines of --help
   std::vector<std::string> positional;  // names of the positional arguments, all required
   std::string rest;                     // name of the optional ones after them; empty: none
+  /// Recognises an optional argument before the positional ones, which may also be given as
+  /// --device. Null: there is none.
+  bool (*is_device)(const std::string&) = nullptr;
   boost::program_options::options_description options{"Options"};
   std::string notes;  // last lines of --help
 };
 
+/// Returns how options spell the name of a parameter: "disparity-range" for disparity_range,
+/// "disp12-max-diff" for disp12MaxDiff.
+std::string option_name(const std::string& name);
+
+/// True if the argument asks for help: -h or --help.
+bool is_help(const std::string& argument);
+
 struct Parsed {
   boost::program_options::variables_map options;
+  std::string device;  // empty: not given
   std::vector<std::string> positional;
 };
 
-/// Parses the arguments. Returns nullopt after printing what --help or --version asks for. Throws
-/// UsageError.
+/// Parses the arguments. Accepts options in the spelling of parameters, --disparity_range, too.
+/// Returns nullopt after printing what -h, --help or --version asks for. Throws UsageError.
 std::optional<Parsed> parse(const CommandLine& line, const Arguments& arguments);
 
 /// Prints the versions of package, link protocol and gateware.

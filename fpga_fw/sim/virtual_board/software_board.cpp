@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/reference_pipeline.hpp"
+#include "core/signature.hpp"
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::sim {
@@ -39,6 +41,11 @@ std::uint32_t refusal(PacketType type, std::size_t num_words) {
   }
 }
 
+bool is_signature(std::uint32_t address) {
+  return address >= spec::kRegSignatureRectify &&
+         address < spec::kRegSignatureRectify + kNumGatewareStages;
+}
+
 }  // namespace
 
 SoftwareBoard::Options::Options() = default;
@@ -60,6 +67,7 @@ void SoftwareBoard::reset() {
   queue_.clear();
   queue_read_ = 0;
   cache_.clear();
+  last_pair_.reset();
 }
 
 std::uint32_t SoftwareBoard::peek(std::uint32_t address) const { return registers_[address % 256]; }
@@ -133,6 +141,7 @@ void SoftwareBoard::handle_request(const Packet& packet) {
     return refuse(packet.header, reason);
   }
   if (packet.header.type == PacketType::kReadRegisters) {
+    if (std::any_of(words.begin(), words.end(), is_signature)) update_signatures();
     std::vector<std::uint8_t> payload(8 * words.size());
     for (std::size_t i = 0; i < words.size(); ++i) {
       link::put_u32(&payload[8 * i], words[i]);
@@ -191,11 +200,27 @@ void SoftwareBoard::feed(const GreyPair& pair) {
   process(pair, {id, time_us_ - spec::kMidExposureUs.get(registers_[spec::kRegMidExposure])});
 }
 
+void SoftwareBoard::update_signatures() {
+  if (!last_pair_ || last_pair_configuration_ != registers_[spec::kRegConfiguration]) return;
+  const BoardRegisters::Active& active = registers_.active();
+  ReferencePipeline pipeline;
+  const Taps& taps = pipeline.process(last_pair_->left, last_pair_->right, active.rectification,
+                                      active.parameters, options_.num_threads);
+  std::uint32_t address = spec::kRegSignatureRectify;
+  for (const std::uint32_t signature : stage_signatures(taps, active.parameters)) {
+    if (options_.overrides.count(address) == 0) registers_[address] = signature;
+    ++address;
+  }
+  last_pair_.reset();
+}
+
 /// Counts the frame, and sends what the streams and intervals select of it.
 void SoftwareBoard::process(const GreyPair& pair, FrameHeader header) {
   ++registers_[spec::kRegFramesIn];
   ++registers_[spec::kRegFramesOut];
   if (!has_valid_size(pair)) return;
+  last_pair_ = pair;
+  last_pair_configuration_ = registers_[spec::kRegConfiguration];
   if (registers_.active().is_buffer_too_small) {
     ++registers_[spec::kRegBufferErrors];
     registers_[spec::kRegErrors] |= spec::kErrorsBufferLeft.mask();

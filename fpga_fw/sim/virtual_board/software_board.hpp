@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "fpga_stereo/core/pipeline.hpp"
@@ -64,6 +65,8 @@ class SoftwareBoard : public Board {
   bool has_valid_size(const GreyPair& pair);
   void send_results(const GreyPair& pair, FrameHeader header);
   const Outputs& outputs_of(const GreyPair& pair);
+  /// Computes the SIGNATURE registers of the last pair; called when they are read.
+  void update_signatures();
   bool is_wanted(link::Stream stream) const;
   void send(link::Stream stream, const cv::Mat& image, const FrameHeader& header);
   bool is_host_alive() const;
@@ -84,6 +87,8 @@ class SoftwareBoard : public Board {
   Pipeline pipeline_;
   std::deque<Outputs> cache_;
   std::uint32_t cached_configuration_ = 0;  // that the cache was computed with
+  std::optional<GreyPair> last_pair_;       // whose signatures have not been computed
+  std::uint32_t last_pair_configuration_ = 0;
 };
 
 }  // namespace fpga_stereo::sim
