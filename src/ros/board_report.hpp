@@ -18,8 +18,10 @@ namespace fpga_stereo {
 struct BoardReport {
   link::Device::Snapshot device;
   link::BoardAbility ability = link::BoardAbility::kNoBoard;
-  std::string limitation;   // for people: why it does not make the disparity
-  bool is_expected = true;  // a missing board deserves a warning
+  std::string limitation;    // for people: why it does not make the disparity
+  bool is_expected = true;   // a missing board deserves a warning
+  bool is_required = false;  // without a board there is no disparity
+  bool is_recording = false;
   Verifier::Counters verified;
 };
 

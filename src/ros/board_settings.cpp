@@ -1,14 +1,16 @@
 #include "ros/board_settings.hpp"
 
+#include <fmt/format.h>
+
 #include "fpga_stereo/core/spec.hpp"
-#include "ros/parameter_reader.hpp"
+#include "fpga_stereo/link/transport.hpp"
 
 namespace fpga_stereo {
 namespace {
 
 /// Selects the device by ~serial_number if that is set.
-void read_serial_number(const ros::NodeHandle& nh, std::vector<std::string>& refusals,
-                        std::string& device) {
+void read_serial_number(const ros::NodeHandle& nh, ParameterReport& report, std::string& device) {
+  report.names.insert("serial_number");
   XmlRpc::XmlRpcValue value;
   if (!nh.getParam("serial_number", value)) return;
   const std::string text = text_of(value);
@@ -18,38 +20,44 @@ void read_serial_number(const ros::NodeHandle& nh, std::vector<std::string>& ref
     return;
   }
   if (value.getType() != XmlRpc::XmlRpcValue::TypeString) {
-    refusals.push_back(refusal("serial_number", with_type(value), "text: quote it", text));
+    report.errors.push_back(refusal("serial_number", with_type(value), "text: quote it", text));
   }
   if (!text.empty()) device = "usb:serial=" + text;
 }
 
-void read_device(const ros::NodeHandle& nh, ParameterReader& read,
-                 std::vector<std::string>& refusals, std::string& device) {
-  std::string name = device;
-  read.text("device", name);
-  if (name.rfind("replay:", 0) == 0) {
-    refusals.push_back(refusal("device", name,
-                               "usb... or serial:... (a recording cannot answer requests; "
-                               "'board capture' shows it)",
-                               device));
-  } else {
-    device = name;
+void read_device(const ros::NodeHandle& nh, ParameterReport& report, std::string& device) {
+  report.names.insert("device");
+  XmlRpc::XmlRpcValue value;
+  if (nh.getParam("device", value)) {
+    device = text_of(value);
+    if (const Status status = link::check_transport_name(device); !status) {
+      report.errors.push_back(
+          fmt::format("device: {}; the node opens no board", status.error().message));
+    }
   }
-  read_serial_number(nh, refusals, device);
+  read_serial_number(nh, report, device);
 }
 
 }  // namespace
 
-BoardSettings load_board_settings(const ros::NodeHandle& private_nh,
-                                  std::vector<std::string>& refusals) {
+bool is_recording(const BoardSettings& settings) {
+  return settings.device.rfind("replay:", 0) == 0;
+}
+
+BoardSettings load_board_settings(const ros::NodeHandle& private_nh, ParameterReport& report) {
   BoardSettings settings;
-  ParameterReader read(private_nh, refusals);
+  ParameterReader read(private_nh, report);
   read.choice<Backend>(
       "backend",
       {{"auto", Backend::kAuto}, {"board", Backend::kBoard}, {"software", Backend::kSoftware}},
       settings.backend);
   read.choice<bool>("board_input", {{"cameras", false}, {"topics", true}}, settings.topic_input);
-  read_device(private_nh, read, refusals, settings.device);
+  read_device(private_nh, report, settings.device);
+  if (is_recording(settings) && settings.topic_input) {
+    report.errors.push_back(
+        refusal("board_input", "topics", "cameras, because device is a recording", "cameras"));
+    settings.topic_input = false;
+  }
   read.number("image_width", kGatewareMinWidth, kGatewareMaxWidth, settings.image_size.width);
   read.number("image_height", 1, kGatewareMaxHeight, settings.image_size.height);
   read.text("frame_id", settings.frame_id);

@@ -5,7 +5,8 @@
 
 #include <opencv2/core.hpp>
 #include <string>
-#include <vector>
+
+#include "ros/parameter_reader.hpp"
 
 namespace fpga_stereo {
 
@@ -17,7 +18,8 @@ enum class Backend {
 
 struct BoardSettings {
   Backend backend = Backend::kAuto;
-  std::string device = "usb";     // as for link::open_transport()
+  /// As for link::open_transport(). A bad name is kept: the node must not use another board.
+  std::string device = "usb";
   bool topic_input = false;       // the board computes pairs from topics, not from its cameras
   cv::Size image_size{640, 480};  // px, of the board's cameras until they are calibrated
   std::string frame_id = "stereo_left_optical_frame";
@@ -28,10 +30,11 @@ struct BoardSettings {
   bool keep_incomplete = false;     // publish frames with lost rows; their pixels are invalid
 };
 
+/// True if the device is a recording of a link.
+bool is_recording(const BoardSettings& settings);
+
 /// Reads ~backend, ~device, ~serial_number, ~board_input, ~image_width, ~image_height, ~frame_id,
 /// ~left_info_url, ~right_info_url, ~mid_exposure, ~frame_interval, ~verify, ~keep_incomplete.
-/// A refused value keeps its default; a message about it is appended to `refusals`.
-BoardSettings load_board_settings(const ros::NodeHandle& private_nh,
-                                  std::vector<std::string>& refusals);
+BoardSettings load_board_settings(const ros::NodeHandle& private_nh, ParameterReport& report);
 
 }  // namespace fpga_stereo

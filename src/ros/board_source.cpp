@@ -247,12 +247,22 @@ bool BoardSource::is_asked_for() const {
   return settings_.backend == Backend::kBoard || settings_.device != BoardSettings().device;
 }
 
+Status BoardSource::reset() {
+  const link::Device::Snapshot device = device_.snapshot();
+  if (device.state == LinkState::kClosed) {
+    return Error{ErrorKind::kNotFound, "no board is connected: " + device.trouble_text};
+  }
+  device_.reset();
+  return {};
+}
+
 std::optional<StateReport> BoardSource::trouble() const { return link_trouble(device_.snapshot()); }
 
 BoardReport BoardSource::report() const {
   BoardReport report;
   report.device = device_.snapshot();
   report.is_expected = is_asked_for() || !none_found_ || report.device.times_opened > 0;
+  report.is_required = settings_.backend == Backend::kBoard;
   report.verified = verifier_.counters();
   const MutexLock lock(mutex_);
   report.ability = plan_.ability();

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -11,7 +10,7 @@
 #include "fpga_stereo/link/board_plan.hpp"
 #include "fpga_stereo/link/device.hpp"
 #include "ros/board_frames.hpp"
-#include "ros/board_report.hpp"
+#include "ros/board_input.hpp"
 #include "ros/board_settings.hpp"
 #include "ros/camera_topics.hpp"
 #include "ros/health.hpp"
@@ -21,46 +20,23 @@
 
 namespace fpga_stereo {
 
-/// Thread-safe. Locks, in this order: presence_mutex_, mutex_, then those of the device. No
-/// callback is called with a lock held.
-class BoardSource {
+/// Locks, in this order: presence_mutex_, mutex_, then those of the device.
+class BoardSource : public BoardInput {
  public:
-  /// Called from the device's callback thread; `pair` and `changed` also from refresh().
-  struct Callbacks {
-    std::function<void(const StereoFrame&)> frame;
-    /// Images of the board's cameras, before anything is made of them.
-    std::function<void(const SourcePair&)> images;
-    /// A raw pair that the software has to compute, because the board cannot or has gone.
-    std::function<void(const SourcePair&)> pair;
-    /// The board came, went, or changed what it can do.
-    std::function<void()> changed;
-  };
-
   /// `cameras`, `health` and `gate` must outlive the source.
   BoardSource(const BoardSettings& settings, CameraTopics& cameras, Health& health, StampGate& gate,
               Callbacks callbacks);
 
-  /// True while a board is connected that this software works with.
-  bool is_present() const FPGA_STEREO_EXCLUDES(mutex_);
-  bool makes_disparity() const FPGA_STEREO_EXCLUDES(mutex_);
-  /// Sends a pair from the topics, or drops it while the board is busy with older ones. Returns
-  /// false if the pair is left to the software.
-  bool send(const SourcePair& pair) FPGA_STEREO_EXCLUDES(mutex_);
-
-  /// The parameters for the board's pairs, whether the board or the software computes them. Without
-  /// a board, those of the settings.
-  Parameters parameters() const FPGA_STEREO_EXCLUDES(mutex_);
-
-  void set_demand(const Demand& demand) FPGA_STEREO_EXCLUDES(mutex_);
-  void set_settings(const Settings& settings) FPGA_STEREO_EXCLUDES(mutex_);
-  /// Adopts a new calibration and lets go of a board that was refused. Call about once a second.
-  void refresh() FPGA_STEREO_EXCLUDES(presence_mutex_, mutex_);
-  /// Resets the link as the last step of the watchdog does.
-  void reset() { device_.reset(); }
-
-  /// Says why the board makes no frames; nullopt if it does or would.
-  std::optional<StateReport> trouble() const FPGA_STEREO_EXCLUDES(mutex_);
-  BoardReport report() const FPGA_STEREO_EXCLUDES(mutex_);
+  bool is_present() const override FPGA_STEREO_EXCLUDES(mutex_);
+  bool makes_disparity() const override FPGA_STEREO_EXCLUDES(mutex_);
+  bool send(const SourcePair& pair) override FPGA_STEREO_EXCLUDES(mutex_);
+  Parameters parameters() const override FPGA_STEREO_EXCLUDES(mutex_);
+  void set_demand(const Demand& demand) override FPGA_STEREO_EXCLUDES(mutex_);
+  void set_settings(const Settings& settings) override FPGA_STEREO_EXCLUDES(mutex_);
+  void refresh() override FPGA_STEREO_EXCLUDES(presence_mutex_, mutex_);
+  Status reset() override;
+  std::optional<StateReport> trouble() const override FPGA_STEREO_EXCLUDES(mutex_);
+  BoardReport report() const override FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,10 @@
 #include "ros/camera_topics.hpp"
 
+#include <camera_calibration_parsers/parse.h>
+
+#include <fstream>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "ros/conversions.hpp"
@@ -10,6 +15,8 @@ namespace {
 using camera_info_manager::CameraInfoManager;
 
 const std::array<std::string, 2> kSides{"left", "right"};
+/// What an empty URL means to the manager.
+const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
 
 /// Returns a prefix that is unique for the pair on its robot: its namespace.
 std::string prefix_of(const std::string& ns) {
@@ -17,6 +24,23 @@ std::string prefix_of(const std::string& ns) {
   prefix.erase(0, prefix.find_first_not_of('/'));
   for (char& c : prefix) c = c == '/' ? '_' : c;
   return prefix.empty() ? prefix : prefix + "_";
+}
+
+/// Reads the calibration file of a file:// URL. Returns nullopt for other URLs and unreadable
+/// files.
+std::optional<sensor_msgs::CameraInfo> read_info(const std::string& url) {
+  constexpr std::string_view kFile = "file://";
+  if (url.rfind(kFile, 0) != 0) return std::nullopt;
+  const std::string path = url.substr(kFile.size());
+  if (!std::ifstream(path)) return std::nullopt;
+  std::string camera;
+  sensor_msgs::CameraInfo info;
+  try {
+    if (camera_calibration_parsers::readCalibration(path, camera, info)) return info;
+  } catch (const std::exception&) {
+    // The parser lets exceptions of its YAML library through.
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -32,9 +56,13 @@ CameraTopics::CameraTopics(const ros::NodeHandle& nh, const BoardSettings& setti
 CameraTopics::Camera CameraTopics::advertise(std::size_t side) {
   const ros::SubscriberStatusCallback on_info = [this](const auto&) { changed_(); };
   const std::string& url = side == 0 ? settings_.left_url : settings_.right_url;
+  const std::string name = calibration_prefix_ + kSides[side];
   Camera camera;
-  camera.manager = std::make_unique<CameraInfoManager>(ros::NodeHandle(nh_, kSides[side]),
-                                                       calibration_prefix_ + kSides[side], url);
+  camera.manager =
+      std::make_unique<CameraInfoManager>(ros::NodeHandle(nh_, kSides[side]), name, url);
+  // The manager reads the file only if we cannot: it warns about a camera that is called otherwise.
+  const std::string full_url = camera.manager->resolveURL(url.empty() ? kDefaultUrl : url, name);
+  if (const auto info = read_info(full_url)) camera.manager->setCameraInfo(*info);
   camera.images = advertiser_.advertise(kSides[side] + "/image_raw", ImageKind::kEightBit);
   camera.infos =
       nh_.advertise<sensor_msgs::CameraInfo>(kSides[side] + "/camera_info", 1, on_info, on_info);

@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include "ros/image_subscription.hpp"
+
 namespace fpga_stereo {
 namespace {
 
@@ -55,9 +57,8 @@ void CloudInput::set_subscribed(bool is_subscribed) {
   }
   log_.start({kDisparity, kColor, kLeftInfo, kRightInfo}, true);
   // Queues of 1 as in image_pipeline: the synchronizer has the queue that matters.
-  const image_transport::TransportHints hints("raw", ros::TransportHints(), private_nh_);
   disparity_.subscribe(nh_, kCloudTopicNames[kDisparity], 1);
-  color_.subscribe(transport_, kCloudTopicNames[kColor], 1, hints);
+  subscribe_to_images(transport_, private_nh_, kCloudTopicNames[kColor], color_);
   left_info_.subscribe(nh_, kCloudTopicNames[kLeftInfo], 1);
   right_info_.subscribe(nh_, kCloudTopicNames[kRightInfo], 1);
 }

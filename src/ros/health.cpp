@@ -56,6 +56,7 @@ void Health::published(const StageTimes& stages, double publish_ms, double laten
   const MutexLock lock(mutex_);
   ++published_;
   ++frames_;
+  has_published_ = has_subscribers_;
   refusal_.reset();
   for (std::size_t i = 0; i < stages.size(); ++i) stage_ms_[i] += stages[i];
   publish_ms_ += publish_ms;
@@ -70,7 +71,13 @@ void Health::link_latency(double ms) {
 
 void Health::set_has_subscribers(bool has_subscribers) {
   const MutexLock lock(mutex_);
+  if (!has_subscribers) has_published_ = false;
   has_subscribers_ = has_subscribers;
+}
+
+void Health::expect_first_frame() {
+  const MutexLock lock(mutex_);
+  has_published_ = false;
 }
 
 StereoStatus Health::report(bool restart) {
@@ -131,6 +138,11 @@ std::optional<StateReport> Health::refusal() const {
 bool Health::has_subscribers() const {
   const MutexLock lock(mutex_);
   return has_subscribers_;
+}
+
+bool Health::has_published() const {
+  const MutexLock lock(mutex_);
+  return has_published_;
 }
 
 }  // namespace fpga_stereo

@@ -71,12 +71,17 @@ class Health {
   /// Notes the time in ms from a board's last byte to all outputs published.
   void link_latency(double ms) FPGA_STEREO_EXCLUDES(mutex_);
   void set_has_subscribers(bool has_subscribers) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Notes that another input begins, whose first frame is still expected.
+  void expect_first_frame() FPGA_STEREO_EXCLUDES(mutex_);
 
   /// Fills all counters, rates and means; `restart` begins a new interval for rates and means.
   StereoStatus report(bool restart) FPGA_STEREO_EXCLUDES(mutex_);
   /// Why the last frame was refused, or nullopt if one was published since.
   std::optional<StateReport> refusal() const FPGA_STEREO_EXCLUDES(mutex_);
   bool has_subscribers() const FPGA_STEREO_EXCLUDES(mutex_);
+  /// Returns true if a frame has been published since the first subscriber came and the present
+  /// input began.
+  bool has_published() const FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
   struct Refusal {
@@ -90,6 +95,7 @@ class Health {
   std::array<std::uint64_t, kDropCauses.size()> dropped_ FPGA_STEREO_GUARDED_BY(mutex_){};
   std::optional<Refusal> refusal_ FPGA_STEREO_GUARDED_BY(mutex_);
   bool has_subscribers_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
+  bool has_published_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
 
   // Of the present interval.
   ros::WallTime interval_start_ FPGA_STEREO_GUARDED_BY(mutex_) = ros::WallTime::now();

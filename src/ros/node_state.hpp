@@ -24,6 +24,8 @@ enum class NodeState : std::uint8_t {
   kBoardRefused = StereoStatus::BOARD_REFUSED,
   kBoardUnsuitable = StereoStatus::BOARD_UNSUITABLE,
   kBoardTrouble = StereoStatus::BOARD_TROUBLE,
+  kStarting = StereoStatus::STARTING,
+  kRecordingEnded = StereoStatus::RECORDING_ENDED,
 };
 
 /// A state with its explanation for people; the text decides nothing.
@@ -42,6 +44,7 @@ constexpr Severity severity(NodeState state) {
   switch (state) {
     case NodeState::kIdle:
     case NodeState::kStreaming:
+    case NodeState::kStarting:
       return Severity::kOk;
     case NodeState::kBadStamp:
     case NodeState::kBadImage:

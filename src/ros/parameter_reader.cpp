@@ -1,5 +1,9 @@
 #include "ros/parameter_reader.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
 namespace fpga_stereo {
 namespace {
 
@@ -48,29 +52,43 @@ void ParameterReader::refuse_type(const std::string& name, const std::string& al
                                   const std::string& used) {
   V value;
   if (!nh_.getParam(name, value)) return;  // not set
-  refusals_.push_back(refusal(name, with_type(value), allowed, used));
+  report_.errors.push_back(refusal(name, with_type(value), allowed, used));
 }
 
 template <class T>
-void ParameterReader::range(const std::string& name, T min, T max, bool inclusive, T& value) {
-  const std::string allowed =
-      (inclusive ? "" : "more than ") + as_text(min) + " to " + as_text(max);
+void ParameterReader::range(const std::string& name, T min, T max, T& value) {
+  const std::string allowed = as_text(min) + " to " + as_text(max);
   T number = value;
   if (!read(name, allowed, as_text(value), number)) return;
-  if (number <= max && (inclusive ? number >= min : number > min)) {
-    value = number;
-  } else {
-    refusals_.push_back(refusal(name, as_text(number), allowed, as_text(value)));
+  if (std::isnan(static_cast<double>(number))) {
+    report_.errors.push_back(refusal(name, as_text(number), allowed, as_text(value)));
+    return;
   }
+  value = std::clamp(number, min, max);
+  if (value == number) return;
+  report_.warnings.push_back(refusal(name, as_text(number), allowed, as_text(value)));
 }
 
 void ParameterReader::number(const std::string& name, int min, int max, int& value) {
-  range(name, min, max, true, value);
+  range(name, min, max, value);
 }
 
-void ParameterReader::number(const std::string& name, double min, double max, double& value,
-                             bool inclusive) {
-  range(name, min, max, inclusive, value);
+void ParameterReader::number(const std::string& name, double min, double max, double& value) {
+  range(name, min, max, value);
+}
+
+void ParameterReader::positive_number(const std::string& name, double max, double& value) {
+  const std::string allowed = "more than 0 to " + as_text(max);
+  double number = value;
+  if (!read(name, allowed, as_text(value), number)) return;
+  if (number > max) {
+    value = max;
+    report_.warnings.push_back(refusal(name, as_text(number), allowed, as_text(value)));
+  } else if (number > 0) {
+    value = number;
+  } else {
+    report_.errors.push_back(refusal(name, as_text(number), allowed, as_text(value)));
+  }
 }
 
 void ParameterReader::flag(const std::string& name, bool& value) {

@@ -1,11 +1,11 @@
-// Reads parameters at the start of the node. A value of a wrong type or range keeps its default,
-// and a message says so.
+// Reads parameters at the start of the node. A number out of range becomes the nearest allowed one;
+// a value of a wrong type and a text that means nothing keep the default. A message says so.
 #pragma once
 
 #include <ros/node_handle.h>
 
 #include <map>
-#include <sstream>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,19 +20,24 @@ std::string with_type(XmlRpc::XmlRpcValue& value);
 std::string refusal(const std::string& name, const std::string& value, const std::string& allowed,
                     const std::string& used);
 
+/// What the node says about the parameters that it finds at its start.
+struct ParameterReport {
+  std::vector<std::string> errors;    // refused values; the defaults are used
+  std::vector<std::string> warnings;  // numbers out of range; the nearest allowed ones are used
+  std::set<std::string> names;        // of the parameters that the node knows
+};
+
 class ParameterReader {
  public:
-  /// Appends a message to `refusals` for each refused value. Both arguments must outlive the
-  /// reader.
-  ParameterReader(const ros::NodeHandle& nh, std::vector<std::string>& refusals)
-      : nh_(nh), refusals_(refusals) {}
+  /// Both arguments must outlive the reader.
+  ParameterReader(const ros::NodeHandle& nh, ParameterReport& report) : nh_(nh), report_(report) {}
 
-  // Each function sets `value` if the parameter is set and allowed. A whole number is also allowed
-  // for a double.
+  // Each function sets `value` if the parameter is set and allowed, and a number also if it is out
+  // of range. A whole number is also allowed for a double.
   void number(const std::string& name, int min, int max, int& value);
-  /// Allows `min` to `max`; `min` itself only if `inclusive`.
-  void number(const std::string& name, double min, double max, double& value,
-              bool inclusive = true);
+  void number(const std::string& name, double min, double max, double& value);
+  /// Allows numbers above 0, up to `max`. Zero and negative numbers keep the default.
+  void positive_number(const std::string& name, double max, double& value);
   void flag(const std::string& name, bool& value);
   void text(const std::string& name, std::string& value);
 
@@ -48,7 +53,7 @@ class ParameterReader {
     if (const auto found = choices.find(word); found != choices.end()) {
       value = found->second;
     } else {
-      refusals_.push_back(refusal(name, word, allowed, used));
+      report_.errors.push_back(refusal(name, word, allowed, used));
     }
   }
 
@@ -57,16 +62,17 @@ class ParameterReader {
   template <class T>
   bool read(const std::string& name, const std::string& allowed, const std::string& used,
             T& value) {
+    report_.names.insert(name);
     if (nh_.getParam(name, value)) return true;
     refuse_type(name, allowed, used);
     return false;
   }
   void refuse_type(const std::string& name, const std::string& allowed, const std::string& used);
   template <class T>
-  void range(const std::string& name, T min, T max, bool inclusive, T& value);
+  void range(const std::string& name, T min, T max, T& value);
 
   const ros::NodeHandle& nh_;
-  std::vector<std::string>& refusals_;
+  ParameterReport& report_;
 };
 
 }  // namespace fpga_stereo

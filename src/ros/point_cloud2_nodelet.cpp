@@ -58,10 +58,12 @@ class PointCloud2Nodelet : public nodelet::Nodelet, public StatusSource {
 void PointCloud2Nodelet::onInit() {
   ros::NodeHandle& nh = getNodeHandle();
   ros::NodeHandle& private_nh = getPrivateNodeHandle();
-  std::vector<std::string> refusals;
-  const SyncSettings sync = load_sync_settings(private_nh, refusals);
-  settings_ = load_settings(private_nh, refusals);
-  for (const std::string& refusal : refusals) NODELET_ERROR_STREAM("parameter " << refusal);
+  ParameterReport report;
+  const SyncSettings sync = load_sync_settings(private_nh, report);
+  settings_ = load_settings(private_nh, report);
+  for (const std::string& error : report.errors) NODELET_ERROR_STREAM("parameter " << error);
+  for (const std::string& warning : report.warnings) NODELET_WARN_STREAM("parameter " << warning);
+  for (const std::string& message : unknown_parameters(private_nh)) NODELET_WARN_STREAM(message);
 
   // A subscriber that comes meanwhile changes nothing yet: there is no input.
   output_ = CloudOutput(nh, [this] { on_demand_change(); });

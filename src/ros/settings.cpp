@@ -4,12 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <sstream>
 #include <thread>
-#include <utility>
-
-#include "ros/parameter_reader.hpp"
 
 namespace fpga_stereo {
 namespace {
@@ -92,6 +90,32 @@ bool has_its_type(const ros::NodeHandle& nh, const std::string& name) {
          readable(message.strs, std::string()) || readable(message.bools, false);
 }
 
+/// Returns the allowed number that is nearest to `value`; nullopt if the value is not a number.
+std::optional<double> nearest_number(const std::string& name, XmlRpc::XmlRpcValue& value) {
+  using Type = XmlRpc::XmlRpcValue::Type;
+  if (value.getType() != Type::TypeInt && value.getType() != Type::TypeDouble) return std::nullopt;
+  const double number =
+      value.getType() == Type::TypeInt ? static_cast<int&>(value) : static_cast<double&>(value);
+  if (std::isnan(number)) return std::nullopt;
+  for (const ParameterInfo& info : parameter_table()) {
+    if (info.name == name) return nearest_allowed(info, number);
+  }
+  return std::clamp(number, std::stod(texts(StereoConfig::__getMin__()).at(name)),
+                    std::stod(texts(StereoConfig::__getMax__()).at(name)));
+}
+
+/// Sets the parameter to a number of its type.
+void set_number(const ros::NodeHandle& nh, const std::string& name, double number) {
+  const dynamic_reconfigure::Config defaults = to_message(StereoConfig::__getDefault__());
+  const bool is_whole = std::any_of(defaults.ints.begin(), defaults.ints.end(),
+                                    [&](const auto& p) { return p.name == name; });
+  if (is_whole) {
+    nh.setParam(name, static_cast<int>(number));
+  } else {
+    nh.setParam(name, number);
+  }
+}
+
 /// Copies the value of `name` from `from` to `config`.
 void restore(StereoConfig& config, const StereoConfig& from, const std::string& name) {
   const dynamic_reconfigure::Config source = to_message(from);
@@ -110,69 +134,23 @@ void restore(StereoConfig& config, const StereoConfig& from, const std::string& 
 
 }  // namespace
 
-SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
-                                std::vector<std::string>& refusals) {
-  SyncSettings settings;
-  ParameterReader read(private_nh, refusals);
-  read.flag("approximate_sync", settings.approximate_sync);
-  read.number("queue_size", 1, 1000, settings.queue_size);
-  read.number("sync_tolerance", 0.0, 10.0, settings.sync_tolerance, false);
-  return settings;
-}
-
-OutputTopics load_output_topics(const ros::NodeHandle& private_nh,
-                                std::vector<std::string>& refusals) {
-  OutputTopics topics;
-  ParameterReader(private_nh, refusals).flag("publish_images", topics.images);
-  return topics;
-}
-
-std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh) {
-  std::vector<std::string> refusals;
+void check_parameters(const ros::NodeHandle& private_nh, ParameterReport& report) {
   for (const auto& [name, default_value] : texts(StereoConfig::__getDefault__())) {
+    report.names.insert(name);
     XmlRpc::XmlRpcValue value;
     if (!private_nh.getParam(name, value)) continue;
     const bool readable = has_its_type(private_nh, name);
     const auto allowed = allowed_instead(name, readable ? text_of(value) : "");
     if (!allowed) continue;
-    refusals.push_back(
+    if (const auto nearest = readable ? nearest_number(name, value) : std::nullopt) {
+      report.warnings.push_back(refusal(name, text_of(value), *allowed, text_of(*nearest)));
+      set_number(private_nh, name, *nearest);
+      continue;
+    }
+    report.errors.push_back(
         refusal(name, readable ? text_of(value) : with_type(value), *allowed, default_value));
     private_nh.deleteParam(name);
   }
-  return refusals;
-}
-
-std::optional<std::string> translate_algorithm(const ros::NodeHandle& private_nh) {
-  constexpr const char* kName = "stereo_algorithm";
-  XmlRpc::XmlRpcValue value;
-  if (!private_nh.getParam(kName, value)) return std::nullopt;
-  const std::string number = text_of(value);
-  if (number != "0" && number != "1") return std::nullopt;
-  const std::string word =
-      to_text(number == "0" ? StereoAlgorithm::kWindow : StereoAlgorithm::kSgm);
-  private_nh.setParam(kName, word);
-  return fmt::format("{} = {} of stereo_image_proc ({}) means {} in this node", kName, number,
-                     number == "0" ? "block matching" : "semi-global block matching", word);
-}
-
-std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh) {
-  const std::pair<const char*, const char*> kIgnored[]{
-      {"prefilter_size", ""},
-      {"prefilter_cap", ""},
-      {"texture_threshold", ""},
-      {"downsampling_factor", ""},
-      {"P1", "sgm_p1, on another scale"},
-      {"P2", "sgm_p2, sgm_p2_edge and sgm_p2_strong_edge, on another scale"},
-      {"fullDP", "sgm_build"}};
-  std::vector<std::string> messages;
-  for (const auto& [name, counterpart] : kIgnored) {
-    if (!private_nh.hasParam(name)) continue;
-    std::string message =
-        fmt::format("parameter {} of stereo_image_proc has no effect in this node", name);
-    if (*counterpart != '\0') message += fmt::format("; this node has {}", counterpart);
-    messages.push_back(std::move(message));
-  }
-  return messages;
 }
 
 Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
@@ -205,14 +183,12 @@ Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
   return settings;
 }
 
-Settings load_settings(const ros::NodeHandle& private_nh, std::vector<std::string>& refusals) {
-  for (std::string& refusal : refuse_bad_parameters(private_nh)) {
-    refusals.push_back(std::move(refusal));
-  }
+Settings load_settings(const ros::NodeHandle& private_nh, ParameterReport& report) {
+  check_parameters(private_nh, report);
   const StereoConfig defaults = StereoConfig::__getDefault__();
   StereoConfig config = defaults;
   config.__fromServer__(private_nh);
-  return to_settings(config, defaults, refusals);
+  return to_settings(config, defaults, report.errors);
 }
 
 }  // namespace fpga_stereo

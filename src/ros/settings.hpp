@@ -11,6 +11,7 @@
 #include "fpga_stereo/core/cloud.hpp"
 #include "fpga_stereo/core/parameters.hpp"
 #include "fpga_stereo/core/result.hpp"
+#include "ros/parameter_reader.hpp"
 
 namespace fpga_stereo {
 
@@ -40,35 +41,36 @@ struct OutputTopics {
   bool conversions = true;  // of the disparity: points2, depth, disparity_color
 };
 
-/// Reads ~publish_images. A refused value keeps its default; a message about it is appended to
-/// `refusals`.
-OutputTopics load_output_topics(const ros::NodeHandle& private_nh,
-                                std::vector<std::string>& refusals);
+/// Reads ~publish_images.
+OutputTopics load_output_topics(const ros::NodeHandle& private_nh, ParameterReport& report);
 
-/// Reads ~approximate_sync, ~queue_size and ~sync_tolerance. A refused value keeps its default; a
-/// message about it is appended to `refusals`.
-SyncSettings load_sync_settings(const ros::NodeHandle& private_nh,
-                                std::vector<std::string>& refusals);
+/// Reads ~approximate_sync, ~queue_size and ~sync_tolerance.
+SyncSettings load_sync_settings(const ros::NodeHandle& private_nh, ParameterReport& report);
 
-/// Deletes dynamic_reconfigure parameters with values that are not allowed, so that their defaults
-/// hold. Returns a message for each. Call before dynamic_reconfigure reads the parameters.
-std::vector<std::string> refuse_bad_parameters(const ros::NodeHandle& private_nh);
+/// Checks the dynamic_reconfigure parameters. Replaces a number out of range by the nearest allowed
+/// one, and deletes other values that are not allowed, so that their defaults hold. Call before
+/// dynamic_reconfigure reads the parameters.
+void check_parameters(const ros::NodeHandle& private_nh, ParameterReport& report);
 
 /// Replaces a number of stereo_image_proc in ~stereo_algorithm, 0 or 1, by this node's word.
-/// Returns a message if it does. Call before refuse_bad_parameters().
+/// Returns a message if it does. Call before check_parameters().
 std::optional<std::string> translate_algorithm(const ros::NodeHandle& private_nh);
 
 /// Returns a message for each parameter of stereo_image_proc that is set but has no effect in this
 /// node.
 std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh);
 
+/// Returns a message for each private parameter that no nodelet of this package knows, with the
+/// name that it resembles: nodelets may share a file with parameters. Leaves namespaces within the
+/// private one alone, because they may belong to others. Call after check_parameters().
+std::vector<std::string> unknown_parameters(const ros::NodeHandle& private_nh);
+
 /// Converts `config` to settings. A value that is not allowed is replaced by the one in `accepted`,
 /// in `config` too, and a message about it is appended to `refusals`.
 Settings to_settings(StereoConfig& config, const StereoConfig& accepted,
                      std::vector<std::string>& refusals);
 
-/// Reads the settings of a node without dynamic_reconfigure. A refused value keeps its default; a
-/// message about it is appended to `refusals`.
-Settings load_settings(const ros::NodeHandle& private_nh, std::vector<std::string>& refusals);
+/// Reads the settings of a node without dynamic_reconfigure.
+Settings load_settings(const ros::NodeHandle& private_nh, ParameterReport& report);
 
 }  // namespace fpga_stereo

@@ -1,5 +1,8 @@
 #include "ros/sources.hpp"
 
+#include "ros/board_source.hpp"
+#include "ros/replay_source.hpp"
+
 namespace fpga_stereo {
 
 Sources::Sources(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
@@ -21,12 +24,16 @@ Sources::Sources(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
 void Sources::make_board(const ros::NodeHandle& nh, Outputs& outputs,
                          const std::function<void()>& changed) {
   cameras_ = std::make_unique<CameraTopics>(nh, board_settings_, changed);
-  BoardSource::Callbacks callbacks;
+  BoardInput::Callbacks callbacks;
   callbacks.frame = [this](const StereoFrame& frame) { publisher_.publish(frame); };
   callbacks.pair = [this](const SourcePair& pair) { software_->receive(pair); };
   callbacks.images = [&outputs](const SourcePair& pair) { outputs.publish_images(pair); };
   callbacks.changed = changed;
-  board_ = std::make_unique<BoardSource>(board_settings_, *cameras_, health_, gate_, callbacks);
+  if (is_recording(board_settings_)) {
+    board_ = std::make_unique<ReplaySource>(board_settings_, *cameras_, health_, gate_, callbacks);
+  } else {
+    board_ = std::make_unique<BoardSource>(board_settings_, *cameras_, health_, gate_, callbacks);
+  }
 }
 
 Sources::~Sources() {
@@ -52,19 +59,27 @@ void Sources::set_demand(const Demand& demand) {
   update_software();  // a board may have come or gone
   software_->set_demand(demand);
   if (board_) board_->set_demand(demand);
-  topics_->set_demand(needs_topics() ? demand : Demand());
+  const bool is_topics = needs_topics();
+  note_input(is_topics);
+  topics_->set_demand(is_topics ? demand : Demand());
   if (!demand.needs_pairs()) software_->drop_waiting();
   health_.set_has_subscribers(demand.any() || (cameras_ && cameras_->demand().any()));
+}
+
+void Sources::note_input(bool needs_topics) {
+  const bool is_same = needs_topics == needed_topics_ && has_board() == had_board_;
+  needed_topics_ = needs_topics;
+  had_board_ = has_board();
+  if (!is_same) health_.expect_first_frame();
 }
 
 void Sources::refresh() {
   if (board_) board_->refresh();
 }
 
-bool Sources::reset_board() {
-  if (!board_) return false;
-  board_->reset();
-  return true;
+Status Sources::reset_board() {
+  if (!board_) return Error{ErrorKind::kNotFound, "there is no board: backend is software"};
+  return board_->reset();
 }
 
 bool Sources::needs_topics() const {
@@ -102,6 +117,11 @@ Sources::Maker Sources::active() const {
 
 std::optional<StateReport> Sources::input_trouble() const {
   return needs_topics() ? topics_->trouble() : board_->trouble();
+}
+
+std::string Sources::origin() const {
+  const bool is_replay = board_ && is_recording(board_settings_) && !needs_topics();
+  return is_replay ? board_settings_.device : "";
 }
 
 std::optional<BoardReport> Sources::board_report() const {

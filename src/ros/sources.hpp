@@ -8,9 +8,9 @@
 #include <memory>
 #include <optional>
 
+#include "ros/board_input.hpp"
 #include "ros/board_report.hpp"
 #include "ros/board_settings.hpp"
-#include "ros/board_source.hpp"
 #include "ros/camera_topics.hpp"
 #include "ros/demand.hpp"
 #include "ros/frame_publisher.hpp"
@@ -52,13 +52,14 @@ class Sources : public StatusSource {
   void set_demand(const Demand& demand);
   /// Call about once a second.
   void refresh();
-  /// Resets the link to the board. Returns false if the backend is the software.
-  bool reset_board();
+  /// Resets the link to the board. Fails if no board is connected; the message says why.
+  Status reset_board();
 
   const char* product() const override { return "disparity"; }
   const Health& health() const override { return health_; }
   Maker active() const override;
   std::optional<StateReport> input_trouble() const override;
+  std::string origin() const override;
   std::optional<BoardReport> board_report() const override;
   bool has_board() const { return board_ != nullptr && board_->is_present(); }
 
@@ -69,6 +70,8 @@ class Sources : public StatusSource {
                   const std::function<void()>& changed);
   /// True if the pairs come from topics, not from the cameras of a board.
   bool needs_topics() const;
+  /// Notes where the pairs come from: after a change, the first frame is still expected.
+  void note_input(bool needs_topics);
   void on_pair(const SourcePair& pair);
   /// Says why the board did not take a pair.
   StateReport refusal_of_board() const;
@@ -77,11 +80,12 @@ class Sources : public StatusSource {
   Health& health_;
   FramePublisher& publisher_;
   StampGate gate_;
-  Settings settings_;  // of set_settings()
+  Settings settings_;                               // of set_settings()
+  bool needed_topics_ = false, had_board_ = false;  // at the last set_demand()
   // All are set by the constructor and never change; no board if the backend is the software.
   std::unique_ptr<SoftwareSource> software_;
   std::unique_ptr<CameraTopics> cameras_;
-  std::unique_ptr<BoardSource> board_;
+  std::unique_ptr<BoardInput> board_;
   std::unique_ptr<TopicInput> topics_;
 };
 

@@ -1,5 +1,7 @@
 #include "ros/status_reporter.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace fpga_stereo {
@@ -46,35 +48,57 @@ void StatusReporter::publish_status() {
 void StatusReporter::log_input_trouble() {
   const auto trouble =
       health_.has_subscribers() ? sources_.input_trouble() : std::optional<StateReport>();
+  if (!trouble) return logged_troubles_.clear();
   const ros::WallTime now = ros::WallTime::now();
-  const bool is_new = trouble && !logged_trouble_;
-  if (trouble && (is_new || now - last_trouble_log_ > kRepeatLog)) {
-    ROS_WARN_STREAM_NAMED("stereo", "no " << sources_.product() << ": " << trouble->text);
-    last_trouble_log_ = now;
+  const auto [logged, is_new] = logged_troubles_.try_emplace(trouble->state, now);
+  if (!is_new && now - logged->second <= kRepeatLog) return;
+  logged->second = now;
+  ROS_WARN_STREAM_NAMED("stereo", "no " << sources_.product() << ": " << trouble->text);
+}
+
+void StatusReporter::log_missing_board(const BoardReport& board, bool was_connected) const {
+  const bool is_refused = board.device.state == link::LinkState::kRefused;
+  const std::string text =
+      fmt::format("{}, so {}: {}",
+                  is_refused      ? "the board is refused"
+                  : was_connected ? "the board is lost"
+                                  : "there is no board",
+                  board.is_required ? "there is no disparity, because backend is board"
+                                    : "the software makes the disparity of the image topics",
+                  board.device.trouble_text);
+  if (is_refused) {
+    ROS_ERROR_STREAM_NAMED("stereo", text);
+  } else if (was_connected || board.is_expected) {
+    ROS_WARN_STREAM_NAMED("stereo", text);
+  } else {
+    ROS_INFO_STREAM_NAMED("stereo", text);
   }
-  logged_trouble_.reset();
-  if (trouble) logged_trouble_ = trouble->state;
 }
 
 void StatusReporter::log_source() {
   const auto board = sources_.board_report();
   if (!board) return;
-  const auto trouble = link_trouble(board->device);
-  const Decision decision{sources_.active(), board->ability,
-                          board->device.state == link::LinkState::kRefused};
-  if (logged_decision_ == decision) return;
-  logged_decision_ = decision;
-  if (decision.is_board_refused && trouble) {
-    ROS_ERROR_STREAM_NAMED("stereo", trouble->text);
-  }
+  const link::Device::Snapshot& device = board->device;
   const bool is_present = board->ability != link::BoardAbility::kNoBoard;
-  if (decision.maker == StatusSource::Maker::kSoftware) {
-    const std::string reason = is_present ? board->limitation
-                               : trouble  ? trouble->text
-                                          : "no board is connected";
-    ROS_INFO_STREAM_NAMED("stereo", "the software makes the disparity: " << reason);
-  } else if (is_present) {
-    ROS_INFO_STREAM_NAMED("stereo", "the board makes the disparity: " << board->device.description);
+  // A board that has just been plugged in needs a moment.
+  const bool may_come = device.trouble == link::LinkTrouble::kNotOpened ||
+                        device.trouble == link::LinkTrouble::kIdentifying;
+  if (!is_present && may_come) return;
+  const bool has_played = board->ability != link::BoardAbility::kNeedsCalibration;
+  if (board->is_recording && !has_played) return;
+  const Decision decision{sources_.active(), board->ability,
+                          device.state == link::LinkState::kRefused};
+  if (logged_decision_ == decision) return;
+  const bool was_present =
+      logged_decision_ && logged_decision_->ability != link::BoardAbility::kNoBoard;
+  logged_decision_ = decision;
+  if (!is_present) return log_missing_board(*board, was_present);
+  if (board->is_recording && decision.maker == StatusSource::Maker::kBoard) {
+    ROS_INFO_STREAM_NAMED("stereo", "the disparity is that of " << device.description);
+  } else if (decision.maker == StatusSource::Maker::kSoftware) {
+    ROS_INFO_STREAM_NAMED("stereo", "the software makes the disparity: " << board->limitation);
+  } else {
+    ROS_INFO_STREAM_NAMED("stereo", "the board makes the disparity: " << device.description);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,8 @@ class StatusReporter {
   void publish_status();
   void log_input_trouble();
   void log_source();
+  /// Logs that no board is connected; `was_connected`: it has just gone.
+  void log_missing_board(const BoardReport& board, bool was_connected) const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& diagnostics);
 
   Health& health_;
@@ -33,8 +36,8 @@ class StatusReporter {
   ros::Publisher status_;
   diagnostic_updater::Updater updater_;
 
-  std::optional<NodeState> logged_trouble_;
-  ros::WallTime last_trouble_log_;
+  /// When each trouble of the input was last logged; empty while there is none.
+  std::map<NodeState, ros::WallTime> logged_troubles_;
   /// What decides who makes the disparity, as logged last.
   struct Decision {
     StatusSource::Maker maker;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "ros/board_report.hpp"
 #include "ros/health.hpp"
@@ -21,6 +22,8 @@ class StatusSource {
   virtual const Health& health() const = 0;
   /// Says why no pairs or frames arrive, apart from refused ones; nullopt if they do.
   virtual std::optional<StateReport> input_trouble() const = 0;
+  /// Where frames come from that are not new, for people; empty for others.
+  virtual std::string origin() const { return ""; }
   /// Returns what makes the disparity now.
   virtual Maker active() const { return Maker::kSoftware; }
   /// Returns nullopt if the node uses no board.
@@ -30,7 +33,11 @@ class StatusSource {
     if (!health().has_subscribers()) return {NodeState::kIdle, "idle: no output has a subscriber"};
     if (const auto trouble = input_trouble()) return *trouble;
     if (const auto refusal = health().refusal()) return *refusal;
-    return {NodeState::kStreaming, "streaming"};
+    if (!health().has_published()) {
+      return {NodeState::kStarting, "starting: the first frame is still expected"};
+    }
+    const std::string from = origin();
+    return {NodeState::kStreaming, from.empty() ? "streaming" : "streaming from " + from};
   }
 
  protected:

@@ -19,11 +19,14 @@ void StereoNodelet::onInit() {
   if (const auto translation = translate_algorithm(private_nh)) {
     NODELET_INFO_STREAM("parameter " << *translation);
   }
-  std::vector<std::string> refusals = refuse_bad_parameters(private_nh);
-  const Sources::Options options = load_options(refusals);
-  const OutputTopics topics = load_topics(refusals);
-  for (const std::string& refusal : refusals) NODELET_ERROR_STREAM("parameter " << refusal);
+  ParameterReport report;
+  check_parameters(private_nh, report);
+  const Sources::Options options = load_options(report);
+  const OutputTopics topics = load_topics(report);
+  for (const std::string& error : report.errors) NODELET_ERROR_STREAM("parameter " << error);
+  for (const std::string& warning : report.warnings) NODELET_WARN_STREAM("parameter " << warning);
   for (const std::string& message : ignored_parameters(private_nh)) NODELET_WARN_STREAM(message);
+  for (const std::string& message : unknown_parameters(private_nh)) NODELET_WARN_STREAM(message);
   if (const Status known = check_target_variable(); !known) {
     NODELET_ERROR_STREAM(known.error().message << "; using " << target());
   }
@@ -50,21 +53,21 @@ void StereoNodelet::onInit() {
       getNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const auto&) { on_timer(); });
 }
 
-Sources::Options StereoNodelet::load_options(std::vector<std::string>& refusals) const {
+Sources::Options StereoNodelet::load_options(ParameterReport& report) const {
   Sources::Options options;
   options.topics = kind_;
-  options.sync = load_sync_settings(getPrivateNodeHandle(), refusals);
+  options.sync = load_sync_settings(getPrivateNodeHandle(), report);
   if (kind_ == PairKind::kRaw) {
-    options.board = load_board_settings(getPrivateNodeHandle(), refusals);
+    options.board = load_board_settings(getPrivateNodeHandle(), report);
   } else {
     options.board.backend = Backend::kSoftware;  // boards rectify by themselves
   }
   return options;
 }
 
-OutputTopics StereoNodelet::load_topics(std::vector<std::string>& refusals) const {
+OutputTopics StereoNodelet::load_topics(ParameterReport& report) const {
   if (kind_ == PairKind::kRectified) return {false, false};
-  return load_output_topics(getPrivateNodeHandle(), refusals);
+  return load_output_topics(getPrivateNodeHandle(), report);
 }
 
 void StereoNodelet::make_sources(const Sources::Options& options, const OutputTopics& topics) {
@@ -147,9 +150,10 @@ void StereoNodelet::on_timer() {
 
 bool StereoNodelet::on_reset(Trigger::Request&, Trigger::Response& response) {
   Sources* const all = sources();
-  response.success = all != nullptr && all->reset_board();
-  response.message = response.success ? "the link to the board is being reset"
-                                      : "there is no board: backend is software";
+  const Status reset = all != nullptr ? all->reset_board()
+                                      : Error{ErrorKind::kNotFound, "the node is being shut down"};
+  response.success = static_cast<bool>(reset);
+  response.message = reset ? "the link to the board is being reset" : reset.error().message;
   return true;
 }
 

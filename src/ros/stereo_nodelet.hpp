@@ -32,10 +32,9 @@ class StereoNodelet : public nodelet::Nodelet {
   using Trigger = std_srvs::Trigger;
 
   void onInit() override FPGA_STEREO_EXCLUDES(mutex_);
-  /// Reads what is read once at the start. A message about a refused value is appended to
-  /// `refusals`.
-  Sources::Options load_options(std::vector<std::string>& refusals) const;
-  OutputTopics load_topics(std::vector<std::string>& refusals) const;
+  // Read what is read once at the start.
+  Sources::Options load_options(ParameterReport& report) const;
+  OutputTopics load_topics(ParameterReport& report) const;
   void make_sources(const Sources::Options& options, const OutputTopics& topics)
       FPGA_STEREO_EXCLUDES(mutex_);
   void on_reconfigure(StereoConfig& config) FPGA_STEREO_EXCLUDES(mutex_);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "ros/image_subscription.hpp"
+
 namespace fpga_stereo {
 namespace {
 
@@ -63,7 +65,6 @@ void TopicInput::set_demand(const Demand& demand) {
 
 void TopicInput::subscribe(const std::set<std::size_t>& topics) {
   // Queues of 1 as in image_pipeline: the synchronizer has the queue that matters.
-  const image_transport::TransportHints hints("raw", ros::TransportHints(), private_nh_);
   const auto change = [&](Topic topic, auto& subscriber, const auto& subscribe) {
     const bool is_subscribed = subscribed_.count(topic) != 0;
     if (topics.count(topic) == 0) {
@@ -73,7 +74,7 @@ void TopicInput::subscribe(const std::set<std::size_t>& topics) {
     }
   };
   const auto subscribe_image = [&](auto& subscriber, const std::string& name) {
-    subscriber.subscribe(transport_, name, 1, hints);
+    subscribe_to_images(transport_, private_nh_, name, subscriber);
   };
   const auto subscribe_info = [&](auto& subscriber, const std::string& name) {
     subscriber.subscribe(nh_, name, 1);

@@ -155,6 +155,24 @@ TEST(Health, ARefusalHoldsUntilAFrameIsPublished) {
   EXPECT_EQ(status.dropped_link, 1U);
 }
 
+TEST(Health, KnowsWhetherAFrameHasBeenPublished) {
+  Health health;
+  health.published({}, 1, 1);
+  EXPECT_FALSE(health.has_published()) << "a late frame: nobody has subscribed yet";
+  health.set_has_subscribers(true);
+  EXPECT_FALSE(health.has_published());
+  health.published({}, 1, 1);
+  health.set_has_subscribers(true);
+  EXPECT_TRUE(health.has_published());
+  health.expect_first_frame();
+  EXPECT_FALSE(health.has_published());
+  health.published({}, 1, 1);
+  EXPECT_TRUE(health.has_published());
+  health.set_has_subscribers(false);
+  health.set_has_subscribers(true);
+  EXPECT_FALSE(health.has_published());
+}
+
 TEST(Health, PercentilesAreNearestRanks) {
   Health health;
   for (int i = 60; i >= 1; --i) health.link_latency(i);

@@ -1,4 +1,5 @@
 // The running node with a board that has cameras, behind a serial link.
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/SetCameraInfo.h>
@@ -7,7 +8,9 @@
 
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "ros/pty_board.hpp"
 #include "ros/rig.hpp"
@@ -150,6 +153,74 @@ TEST_F(Board, KeepsItsCalibrationWhenReplugged) {
     ASSERT_TRUE(disparity_is_right());
   }
   EXPECT_EQ(status_when(StereoStatus::LINK_STREAMING, "board").source, "board");
+}
+
+TEST_F(Board, TakesNoOffenceAtTheCameraNameInAFile) {
+  const std::string path = line() + "_left.yaml";
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  const std::string own = "camera_name: stereo_left";
+  std::string named = text.str();
+  ASSERT_NE(named.find(own), std::string::npos) << named;
+  named.replace(named.find(own), own.size(), "camera_name: narrow_stereo/left");
+  std::ofstream(path) << named;
+  Listener<rosgraph_msgs::Log> log(rig_.nh(), "/rosout");
+  ASSERT_TRUE(eventually([&] { return log.count() > 0; }));
+  plug_in();
+  ASSERT_TRUE(disparity_is_right()) << "calibrated from the file";
+  EXPECT_TRUE(log.any([](const rosgraph_msgs::Log& line) {
+    return line.msg.find("board identified") != std::string::npos;
+  }));
+  EXPECT_EQ(log.count_if([](const rosgraph_msgs::Log& line) {
+    return line.level >= rosgraph_msgs::Log::WARN && line.msg.find("match") != std::string::npos;
+  }),
+            0U);
+}
+
+TEST_F(Board, ItsLossIsAWarning) {
+  Listener<rosgraph_msgs::Log> log(rig_.nh(), "/rosout");
+  plug_in();
+  ASSERT_TRUE(disparity_is_right());
+  status_when(StereoStatus::LINK_STREAMING, "board", StereoStatus::STREAMING);
+  ASSERT_TRUE(eventually([&] { return log.count() > 0; }));
+  const auto warned = [&](const std::string& text) {
+    return log.any([&](const rosgraph_msgs::Log& logged) {
+      return logged.level == rosgraph_msgs::Log::WARN && logged.msg.find(text) != std::string::npos;
+    });
+  };
+  board_->plug(false);
+  EXPECT_TRUE(warned("the board is lost, so the software makes the disparity of the image topics"));
+  EXPECT_TRUE(warned("no disparity: no images: nothing arrives on /stereo/left/image_raw"));
+  EXPECT_EQ(status_when(StereoStatus::LINK_CLOSED, "software").state,
+            StereoStatus::WAITING_FOR_IMAGES);
+}
+
+TEST_F(Board, CountersCountTheSameSpan) {
+  Listener<diagnostic_msgs::DiagnosticArray> diagnostics(rig_.nh(), "/diagnostics");
+  const auto value = [&](const std::string& key) {
+    std::string found;
+    for (const auto& status : diagnostics.last()->status) {
+      for (const auto& each : status.values) {
+        if (each.key == key) found = each.value;
+      }
+    }
+    return found;
+  };
+  const auto number = [&](const std::string& key) { return std::stoull(value(key)); };
+  plug_in();  // its cameras see pairs before it is configured
+  ASSERT_TRUE(disparity_is_right(30));
+  ASSERT_TRUE(eventually([&] { return diagnostics.count() > 0; }));
+  const std::uint64_t bytes = number("bytes in"), packets = number("packets in");
+  EXPECT_GT(bytes, packets * 44);
+  board_->plug(false);
+  status_when(StereoStatus::LINK_CLOSED);
+  board_->plug(true);
+  ASSERT_TRUE(disparity_is_right(3));
+  rig_.status();
+  EXPECT_GT(number("packets in"), packets);
+  EXPECT_GT(number("bytes in"), bytes) << "bytes do not begin anew with a new connection";
+  EXPECT_EQ(value("board: frames too long"), "0");
+  EXPECT_EQ(value("board: frames cut"), "0");
 }
 
 TEST_F(Board, ReportsVerification) {

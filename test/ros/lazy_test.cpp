@@ -102,6 +102,19 @@ TEST(Lazy, ImagesOfOneCameraComeBesidePairsWithTheirOwnStamps) {
   EXPECT_EQ(disparity.count(), 1U);
 }
 
+TEST(Lazy, StreamsOnlyAfterTheFirstFrame) {
+  Rig rig;
+  ASSERT_TRUE(rig.node_is_unsubscribed());
+  Listener<DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  const StereoStatus before =
+      rig.status_when([](const StereoStatus& s) { return s.state != StereoStatus::IDLE; });
+  EXPECT_EQ(before.state, StereoStatus::STARTING) << before.state_text;
+  EXPECT_EQ(before.state_text, "starting: the first frame is still expected");
+  ASSERT_TRUE(disparity.with_stamp(rig.publish(synthetic_pair(kSize, 12))));
+  EXPECT_EQ(rig.status().state, StereoStatus::STREAMING);
+}
+
 TEST(Lazy, RectifiedImagesAloneNeedNoMatching) {
   Rig rig;
   Listener<Image> rect(rig.nh(), "right/image_rect");

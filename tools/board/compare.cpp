@@ -37,6 +37,7 @@ CommandLine command_line() {
       "configured\n"
       "again.\n";
   line.rest = "LEFT RIGHT";
+  line.takes_files = true;
   add_patience(line);
   add_configuration_options(line);
   return line;

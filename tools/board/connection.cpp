@@ -26,17 +26,22 @@ double system_time() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// True for the names of transports and the paths of serial lines.
-bool is_device(const std::string& text) {
+/// True for the names of transports and the paths of serial lines, not for other files.
+bool is_device_not_file(const std::string& text) {
   std::error_code failed;
   return text == "usb" || text.find(':') != std::string::npos || text.rfind("/dev/", 0) == 0 ||
          std::filesystem::is_character_file(text, failed);
 }
 
+/// True for the names of transports and for paths.
+bool is_device(const std::string& text) {
+  return is_device_not_file(text) || text.find('/') != std::string::npos;
+}
+
 }  // namespace
 
 void add_patience(CommandLine& line) {
-  line.is_device = is_device;
+  line.is_device = line.takes_files ? is_device_not_file : is_device;
   auto& options = line.options;
   options.add_options()("device", po::value<std::string>()->value_name("DEVICE"),
                         "the device, as board --help lists them, in place of the argument DEVICE");

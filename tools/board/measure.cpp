@@ -124,6 +124,7 @@ void record(const Arguments& arguments) {
       "and so\n"
       "record the configuration. fpga_fw/spec/link.md defines the format.\n";
   line.positional = {"FILE"};
+  line.takes_files = true;
   line.rest = "SECONDS";
   add_frame_options(line, "disparity");
   add_configuration_options(line);

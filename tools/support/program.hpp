@@ -40,6 +40,7 @@ struct CommandLine {
   std::string usage;                    // first lines of --help
   std::vector<std::string> positional;  // names of the positional arguments, all required
   std::string rest;                     // name of the optional ones after them; empty: none
+  bool takes_files = false;             // positional arguments may be paths
   /// Recognises an optional argument before the positional ones, which may also be given as
   /// --device. Null: there is none.
   bool (*is_device)(const std::string&) = nullptr;
