@@ -2,6 +2,7 @@
 
 #include <array>
 #include <utility>
+#include <vector>
 
 #include "ros/image_subscription.hpp"
 
@@ -14,6 +15,7 @@ constexpr std::array<const char*, 4> kCloudTopicNames{"disparity", "left/image_r
 
 std::vector<ArrivalLog::Topic> logged_topics(const ros::NodeHandle& nh) {
   std::vector<ArrivalLog::Topic> topics;
+  topics.reserve(kCloudTopicNames.size());
   for (const char* name : kCloudTopicNames) topics.push_back({nh.resolveName(name), false});
   topics[kLeftInfo].is_camera_info = topics[kRightInfo].is_camera_info = true;
   return topics;
