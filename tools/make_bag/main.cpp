@@ -20,6 +20,7 @@ constexpr Mode kModes[]{
     {"create", "write image files and a calibration to a bag", create_bag},
     {"calibrate", "calibrate a stereo camera from chessboard pairs", calibrate},
     {"extract", "write images, calibration and disparities of a bag to files", extract_bag},
+    {"frames", "print the tf frames of a calibrated pair, as a URDF", print_frames},
 };
 
 void print_help() {
@@ -30,14 +31,14 @@ void print_help() {
 
 void make_bag(const Arguments& arguments) {
   if (arguments.empty())
-    throw UsageError("a mode is missing: allowed are create, calibrate, extract");
+    throw UsageError("a mode is missing: allowed are create, calibrate, extract, frames");
   if (is_help(arguments[0])) return print_help();
   if (arguments[0] == "--version") return print_version();
   const auto mode = std::find_if(std::begin(kModes), std::end(kModes),
                                  [&](const Mode& m) { return m.name == arguments[0]; });
   if (mode == std::end(kModes)) {
-    throw UsageError(
-        fmt::format("unknown mode \"{}\": allowed are create, calibrate, extract", arguments[0]));
+    throw UsageError(fmt::format(
+        "unknown mode \"{}\": allowed are create, calibrate, extract, frames", arguments[0]));
   }
   mode->run(Arguments(arguments.begin() + 1, arguments.end()));
 }

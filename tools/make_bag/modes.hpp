@@ -9,6 +9,7 @@ namespace fpga_stereo::tools {
 void create_bag(const Arguments& arguments);
 void calibrate(const Arguments& arguments);
 void extract_bag(const Arguments& arguments);
+void print_frames(const Arguments& arguments);
 
 /// Adds the option --camera, and returns its value without leading and trailing slashes. Throws
 /// UsageError for an invalid ROS name.
