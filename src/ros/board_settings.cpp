@@ -8,6 +8,15 @@
 namespace fpga_stereo {
 namespace {
 
+/// Returns the frame of the left camera by the name of the pair: the last word of the namespace
+/// that the node is in.
+std::string default_frame_id(const ros::NodeHandle& private_nh) {
+  std::string pair = private_nh.getNamespace();
+  pair.erase(pair.rfind('/'));  // the name of the node
+  pair.erase(0, pair.rfind('/') + 1);
+  return (pair.empty() ? "stereo" : pair) + "_left_optical_frame";
+}
+
 /// Selects the device by ~serial_number if that is set.
 void read_serial_number(const ros::NodeHandle& nh, ParameterReport& report, std::string& device) {
   report.names.insert("serial_number");
@@ -60,6 +69,7 @@ BoardSettings load_board_settings(const ros::NodeHandle& private_nh, ParameterRe
   }
   read.number("image_width", kGatewareMinWidth, kGatewareMaxWidth, settings.image_size.width);
   read.number("image_height", 1, kGatewareMaxHeight, settings.image_size.height);
+  settings.frame_id = default_frame_id(private_nh);
   read.text("frame_id", settings.frame_id);
   read.text("left_info_url", settings.left_url);
   read.text("right_info_url", settings.right_url);

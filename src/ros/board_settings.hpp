@@ -22,12 +22,14 @@ struct BoardSettings {
   std::string device = "usb";
   bool topic_input = false;       // the board computes pairs from topics, not from its cameras
   cv::Size image_size{640, 480};  // px, of the board's cameras until they are calibrated
-  std::string frame_id = "stereo_left_optical_frame";
-  std::string left_url, right_url;  // calibration files; empty: camera_info_manager's default
-  double mid_exposure_ms = 0;       // from mid-exposure to the first pixel
-  int frame_interval = 1;           // the board sends every n-th pair of its cameras
-  int verify = 0;                   // the software verifies every n-th frame; 0: none
-  bool keep_incomplete = false;     // publish frames with lost rows; their pixels are invalid
+  std::string frame_id;           // of the board's images
+  /// Calibration files. Empty: camera_info_manager's default for a board, the topic camera_info for
+  /// images from topics.
+  std::string left_url, right_url;
+  double mid_exposure_ms = 0;    // from mid-exposure to the first pixel
+  int frame_interval = 1;        // the board sends every n-th pair of its cameras
+  int verify = 0;                // the software verifies every n-th frame; 0: none
+  bool keep_incomplete = false;  // publish frames with lost rows; their pixels are invalid
 };
 
 /// True if the device is a recording of a link.

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "ros/calibration_url.hpp"
 #include "ros/conversions.hpp"
 
 namespace fpga_stereo {
@@ -17,14 +18,6 @@ using camera_info_manager::CameraInfoManager;
 const std::array<std::string, 2> kSides{"left", "right"};
 /// What an empty URL means to the manager.
 const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
-
-/// Returns a prefix that is unique for the pair on its robot: its namespace.
-std::string prefix_of(const std::string& ns) {
-  std::string prefix = ns;
-  prefix.erase(0, prefix.find_first_not_of('/'));
-  for (char& c : prefix) c = c == '/' ? '_' : c;
-  return prefix.empty() ? prefix : prefix + "_";
-}
 
 /// Reads the calibration file of a file:// URL. Returns nullopt for other URLs and unreadable
 /// files.
@@ -51,7 +44,7 @@ CameraTopics::CameraTopics(const ros::NodeHandle& nh, const BoardSettings& setti
       changed_(std::move(changed)),
       nh_(nh),
       advertiser_(nh, changed_),
-      calibration_prefix_(prefix_of(nh.getNamespace())) {}
+      calibration_prefix_(calibration_prefix(nh.getNamespace())) {}
 
 CameraTopics::Camera CameraTopics::advertise(std::size_t side) {
   const ros::SubscriberStatusCallback on_info = [this](const auto&) { changed_(); };

@@ -17,8 +17,9 @@ Sources::Sources(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
   callbacks.image = [&outputs](Side side, const sensor_msgs::ImageConstPtr& image) {
     return outputs.publish_image(side, image);
   };
-  topics_ = std::make_unique<TopicInput>(nh, private_nh, options.topics, options.sync, health_,
-                                         gate_, callbacks);
+  const CalibrationUrls urls{board_settings_.left_url, board_settings_.right_url};
+  topics_ = std::make_unique<TopicInput>(nh, private_nh, options.topics, options.sync, urls,
+                                         health_, gate_, callbacks);
 }
 
 void Sources::make_board(const ros::NodeHandle& nh, Outputs& outputs,

@@ -1,5 +1,7 @@
 #include "ros/topic_input.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "ros/image_subscription.hpp"
@@ -14,8 +16,8 @@ std::string image_topic(const std::string& camera, PairKind kind) {
 }  // namespace
 
 TopicInput::TopicInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, PairKind kind,
-                       const SyncSettings& settings, Health& health, StampGate& gate,
-                       Callbacks callbacks)
+                       const SyncSettings& settings, const CalibrationUrls& urls, Health& health,
+                       StampGate& gate, Callbacks callbacks)
     : nh_(nh),
       private_nh_(private_nh),
       kind_(kind),
@@ -30,6 +32,8 @@ TopicInput::TopicInput(const ros::NodeHandle& nh, const ros::NodeHandle& private
             {nh.resolveName(names_[kRightInfo]), true}},
            settings, health),
       transport_(nh),
+      left_info_(nh, "left", urls.left),
+      right_info_(nh, "right", urls.right),
       sync_(settings, left_of_pair_, left_info_, right_of_pair_, right_info_,
             [this](const auto& left, const auto& left_info, const auto& right,
                    const auto& right_info) { on_pair(left, left_info, right, right_info); }) {
@@ -58,7 +62,10 @@ void TopicInput::set_demand(const Demand& demand) {
     subscribe(topics);
     log_.stop();
   } else {
-    log_.start(topics, needs_pairs);
+    std::set<std::size_t> awaited = topics;
+    if (left_info_.is_from_file()) awaited.erase(kLeftInfo);
+    if (right_info_.is_from_file()) awaited.erase(kRightInfo);
+    log_.start(awaited, needs_pairs);
     subscribe(topics);
   }
 }
@@ -76,9 +83,7 @@ void TopicInput::subscribe(const std::set<std::size_t>& topics) {
   const auto subscribe_image = [&](auto& subscriber, const std::string& name) {
     subscribe_to_images(transport_, private_nh_, name, subscriber);
   };
-  const auto subscribe_info = [&](auto& subscriber, const std::string& name) {
-    subscriber.subscribe(nh_, name, 1);
-  };
+  const auto subscribe_info = [](auto& subscriber, const auto&) { subscriber.subscribe(); };
   change(kLeftImage, left_image_, subscribe_image);
   change(kLeftInfo, left_info_, subscribe_info);
   change(kRightImage, right_image_, subscribe_image);
@@ -103,7 +108,29 @@ void TopicInput::on_image(Topic topic, const Event& event) {
   }
   // An image that cannot be decoded is refused with its pair.
   if (demand.of(side).any_raw()) (void)callbacks_.image(side, image);
+  calibrate(side, *image);
   (side == Side::kLeft ? left_of_pair_ : right_of_pair_).add(event);
+}
+
+void TopicInput::calibrate(Side side, const Image& image) {
+  std::string frame_id = image.header.frame_id;
+  {
+    const MutexLock lock(mutex_);
+    if (side == Side::kLeft) left_frame_ = frame_id;
+    // image_geometry requires the left camera's frame in both camera_infos.
+    if (!left_frame_.empty()) frame_id = left_frame_;
+  }
+  (side == Side::kLeft ? left_info_ : right_info_).on_image(image, frame_id);
+}
+
+std::optional<StateReport> TopicInput::trouble() const {
+  for (const auto& [side, info] : {std::pair("left", &left_info_), {"right", &right_info_}}) {
+    if (const auto trouble = info->trouble()) {
+      return StateReport{NodeState::kUncalibrated,
+                         fmt::format("the {} camera is not calibrated: {}", side, *trouble)};
+    }
+  }
+  return log_.trouble();
 }
 
 void TopicInput::pass_on(Side side, const sensor_msgs::ImageConstPtr& image) {

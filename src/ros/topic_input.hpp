@@ -3,7 +3,6 @@
 
 #include <image_transport/subscriber_filter.h>
 #include <message_filters/pass_through.h>
-#include <message_filters/subscriber.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
@@ -15,6 +14,7 @@
 
 #include "core/thread_safety.hpp"
 #include "ros/arrival_log.hpp"
+#include "ros/camera_info_input.hpp"
 #include "ros/demand.hpp"
 #include "ros/health.hpp"
 #include "ros/message_sync.hpp"
@@ -24,10 +24,15 @@
 
 namespace fpga_stereo {
 
+/// Where the calibration files of a pair are; an empty URL means that the topic camera_info has it.
+struct CalibrationUrls {
+  std::string left, right;
+};
+
 /// Subscribes to left|right/image_raw (or image_rect) and left|right/camera_info, those that are
-/// needed. All messages arrive in one callback queue, one at a time. The other functions may be
-/// called from any thread, but only one of them at a time. The lock is not held while a pair is
-/// decoded or handed on.
+/// needed and have no calibration file. All messages arrive in one callback queue, one at a time.
+/// The other functions may be called from any thread, but only one of them at a time. The lock is
+/// not held while a pair is decoded or handed on.
 class TopicInput {
  public:
   struct Callbacks {
@@ -39,15 +44,17 @@ class TopicInput {
 
   /// `health` and `gate` must outlive the input.
   TopicInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, PairKind kind,
-             const SyncSettings& settings, Health& health, StampGate& gate, Callbacks callbacks);
+             const SyncSettings& settings, const CalibrationUrls& urls, Health& health,
+             StampGate& gate, Callbacks callbacks);
   ~TopicInput() { set_demand({}); }
   TopicInput(const TopicInput&) = delete;
   TopicInput& operator=(const TopicInput&) = delete;
 
   /// Subscribes to what the demand needs, and to nothing else.
   void set_demand(const Demand& demand) FPGA_STEREO_EXCLUDES(mutex_);
-  /// Says what is missing on the topics; nullopt while they bring what is in demand.
-  std::optional<StateReport> trouble() const { return log_.trouble(); }
+  /// Says which calibration file cannot be used, or what is missing on the topics; nullopt while
+  /// they bring what is in demand.
+  std::optional<StateReport> trouble() const;
 
  private:
   enum Topic { kLeftImage, kLeftInfo, kRightImage, kRightInfo, kTopics };
@@ -57,6 +64,8 @@ class TopicInput {
 
   void subscribe(const std::set<std::size_t>& topics);
   void on_image(Topic topic, const Event& event) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Makes the camera_info of an image if it comes from a file.
+  void calibrate(Side side, const Image& image) FPGA_STEREO_EXCLUDES(mutex_);
   /// Publishes an image that is not part of a pair. It counts as a frame.
   void pass_on(Side side, const sensor_msgs::ImageConstPtr& image);
   void on_pair(const sensor_msgs::ImageConstPtr& left,
@@ -75,7 +84,7 @@ class TopicInput {
 
   image_transport::ImageTransport transport_;
   image_transport::SubscriberFilter left_image_, right_image_;
-  message_filters::Subscriber<Info> left_info_, right_info_;
+  CameraInfoInput left_info_, right_info_;
   // Images go on to the synchronizer only if pairs are in demand.
   message_filters::PassThrough<Image> left_of_pair_, right_of_pair_;
   MessageSync<Image, Info, Image, Info> sync_;
@@ -83,6 +92,7 @@ class TopicInput {
 
   mutable Mutex mutex_;
   Demand demand_ FPGA_STEREO_GUARDED_BY(mutex_);
+  std::string left_frame_ FPGA_STEREO_GUARDED_BY(mutex_);  // of the latest left image
 };
 
 }  // namespace fpga_stereo

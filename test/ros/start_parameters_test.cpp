@@ -164,6 +164,10 @@ TEST(StartParameters, OfABoard) {
   EXPECT_TRUE(report.errors.empty());
   EXPECT_EQ(none.backend, Backend::kAuto);
   EXPECT_EQ(none.device, "usb");
+  EXPECT_EQ(load_board_settings(ros::NodeHandle("/node"), report).frame_id,
+            "stereo_left_optical_frame");
+  EXPECT_EQ(load_board_settings(ros::NodeHandle("/robot/rear/node"), report).frame_id,
+            "rear_left_optical_frame");
 
   nh.setParam("backend", "board");
   nh.setParam("board_input", "topics");
@@ -217,7 +221,7 @@ TEST(StartParameters, OfTheSynchronisation) {
 }
 
 TEST(StartParameters, RefusesOtherTypesAndBadDevices) {
-  ros::NodeHandle nh("~types");
+  ros::NodeHandle nh("/robot/front/types");
   nh.setParam("backend", 1);
   nh.setParam("device", "sreial:/dev/ttyUSB0");
   nh.setParam("verify", "10");
@@ -240,7 +244,7 @@ TEST(StartParameters, RefusesOtherTypesAndBadDevices) {
       "device: 'sreial:/dev/ttyUSB0' is not a transport: 'sreial' is not a kind of transport; "
       "allowed are usb, usb:serial=NUMBER, usb:port=BUS-PORT, usb:match=REGEX, serial:PATH[:BAUD], "
       "replay:FILE[:SPEED]; the node opens no board",
-      "frame_id = 7 (a whole number): allowed text; using stereo_left_optical_frame",
+      "frame_id = 7 (a whole number): allowed text; using front_left_optical_frame",
       "mid_exposure = nan: allowed 0 to 1000; using 0",
       "verify = 10 (text): allowed 0 to 10000; using 0",
       "keep_incomplete = 1 (a whole number): allowed true or false; using false",

@@ -1,0 +1,106 @@
+#include "ros/camera_info_input.hpp"
+
+#include <boost/make_shared.hpp>
+#include <utility>
+
+#include "ros/calibration_url.hpp"
+#include "ros/conversions.hpp"
+
+namespace fpga_stereo {
+namespace {
+
+/// Returns true if any node publishes the topic, this one included.
+bool has_publisher(const std::string& topic) {
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return false;
+  XmlRpc::XmlRpcValue& published = state[0];  // pairs of topic and publishers
+  for (int i = 0; i < published.size(); ++i) {
+    if (static_cast<std::string&>(published[i][0]) == topic) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+CameraInfoInput::CameraInfoInput(const ros::NodeHandle& nh, const std::string& side,
+                                 const std::string& url)
+    : nh_(nh), side_(side), topic_(nh_.resolveName(side + "/camera_info")), url_(url) {}
+
+void CameraInfoInput::subscribe() {
+  if (is_from_file()) return read_file();
+  // A queue of 1 as in image_pipeline: the synchronizer has the queue that matters.
+  subscriber_ = nh_.subscribe<sensor_msgs::CameraInfo>(
+      side_ + "/camera_info", 1,
+      [this](const sensor_msgs::CameraInfoConstPtr& info) { signalMessage(info); });
+}
+
+void CameraInfoInput::read_file() {
+  const std::string name = calibration_prefix(nh_.getNamespace()) + side_;
+  const Result<CameraCalibration> read = read_calibration_url(url_, name);
+  if (!read) {
+    ROS_ERROR_STREAM("the " << side_ << " camera is not calibrated: " << read.error().message);
+    const MutexLock lock(mutex_);
+    trouble_ = read.error().message;
+    return;
+  }
+  ros::Publisher publisher;
+  if (has_publisher(topic_)) {
+    ROS_WARN_STREAM("the calibration in " << url_ << " is not published, because " << topic_
+                                          << " has a publisher; this node uses the file");
+  } else {
+    publisher = nh_.advertise<sensor_msgs::CameraInfo>(side_ + "/camera_info", 1);
+  }
+  const MutexLock lock(mutex_);
+  calibration_ = *read;
+  trouble_.reset();
+  is_size_checked_ = false;
+  publisher_ = publisher;
+}
+
+void CameraInfoInput::unsubscribe() {
+  subscriber_.shutdown();
+  ros::Publisher publisher;
+  const MutexLock lock(mutex_);
+  calibration_.reset();
+  trouble_.reset();
+  std::swap(publisher_, publisher);
+}
+
+void CameraInfoInput::on_image(const sensor_msgs::Image& image, const std::string& frame_id) {
+  sensor_msgs::CameraInfoPtr info;
+  ros::Publisher publisher;
+  cv::Size calibrated;
+  {
+    const MutexLock lock(mutex_);
+    if (!calibration_) return;
+    std_msgs::Header header = image.header;
+    header.frame_id = frame_id;
+    info = boost::make_shared<sensor_msgs::CameraInfo>(to_camera_info(*calibration_, header));
+    publisher = publisher_;
+    calibrated = calibration_->image_size();
+  }
+  check_size(image, calibrated);
+  if (publisher) publisher.publish(info);
+  signalMessage(info);
+}
+
+void CameraInfoInput::check_size(const sensor_msgs::Image& image, cv::Size calibrated) {
+  {
+    const MutexLock lock(mutex_);
+    if (std::exchange(is_size_checked_, true)) return;
+  }
+  const cv::Size size(static_cast<int>(image.width), static_cast<int>(image.height));
+  if (size == calibrated) return;
+  ROS_ERROR_STREAM("the images of the " << side_ << " camera are " << size.width << "x"
+                                        << size.height << ", but the calibration in " << url_
+                                        << " is for " << calibrated.width << "x"
+                                        << calibrated.height << ": calibrate at this size");
+}
+
+std::optional<std::string> CameraInfoInput::trouble() const {
+  const MutexLock lock(mutex_);
+  return trouble_;
+}
+
+}  // namespace fpga_stereo
