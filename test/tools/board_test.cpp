@@ -147,7 +147,7 @@ TEST_F(BoardTest, CompareFindsTheFirstStageThatDiffers) {
   const Strings pair{at("images/left/0.png"), at("images/right/0.png")};
   const Outcome equal = board("compare", with(pair, settings()));
   ASSERT_EQ(equal.code, 0) << equal.err << equal.out;
-  EXPECT_TRUE(has_line(equal.out, "rectify +board (0x[0-9A-F]{8}), software \\1: equal"))
+  EXPECT_TRUE(has_line(equal.out, "rectify +board (0x[0-9A-F]{8}), software \\2: equal"))
       << equal.out;
   EXPECT_TRUE(has_line(equal.out, "all 7 stages are equal")) << equal.out;
   const Outcome textured = board("compare", {"--speckle-size", "30"});

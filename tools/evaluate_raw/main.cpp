@@ -26,7 +26,7 @@ CommandLine command_line() {
       "Measures disparities of raw pairs that have no ground truth: those of window, sgm, sgm "
       "dense\n"
       "and OpenCV's StereoBM and StereoSGBM (also with MODE_SGBM_3WAY and MODE_HH) on the same\n"
-      "rectified images. --stereo_algorithm and --dense leave out those of ours with other "
+      "rectified images. --stereo-algorithm and --dense leave out those of ours with other "
       "values.\n"
       "DIR is one of\n"
       "  a sequence of EuRoC: cam0 and cam1, each with sensor.yaml and data/<time>.png.\n"
