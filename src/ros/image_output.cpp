@@ -7,7 +7,9 @@
 namespace fpga_stereo {
 
 ImageAdvertiser::ImageAdvertiser(const ros::NodeHandle& nh, std::function<void()> changed)
-    : nh_(nh), transport_(nh), changed_(std::move(changed)) {}
+    : nh_(nh), transport_(nh), changed_(std::move(changed)) {
+  nh_.getParamNames(parameters_);
+}
 
 image_transport::Publisher ImageAdvertiser::advertise(const std::string& topic, ImageKind kind) {
   const std::vector<std::string> unsuitable =
@@ -16,7 +18,9 @@ image_transport::Publisher ImageAdvertiser::advertise(const std::string& topic, 
           : std::vector<std::string>{"image_transport/compressedDepth"};
   // image_transport looks for the parameter beside the topic.
   const std::string disabled = nh_.resolveName(topic) + "/disable_pub_plugins";
-  if (!nh_.hasParam(disabled)) nh_.setParam(disabled, unsuitable);
+  const bool is_set =
+      std::find(parameters_.begin(), parameters_.end(), disabled) != parameters_.end();
+  if (!is_set) nh_.setParam(disabled, unsuitable);
   const image_transport::SubscriberStatusCallback on_change = [changed = changed_](const auto&) {
     changed();
   };

@@ -32,6 +32,7 @@ class ImageAdvertiser {
   ros::NodeHandle nh_;
   image_transport::ImageTransport transport_;
   std::function<void()> changed_;
+  std::vector<std::string> parameters_;  // of the parameter server: asked once, not per topic
 };
 
 /// Publishes the same images on one or more topics. Passes a camera's message on if possible;
