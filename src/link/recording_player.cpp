@@ -138,8 +138,10 @@ void Player::collect(bool is_end) {
   assembled_.clear();
   if (is_end) collector_.reset(sets_);
   for (FrameSet& set : sets_) {
-    // Where the recording breaks off, frames that had not begun are not lost.
-    if (is_end && set.dropped.empty() && !has_all(set, expected)) continue;
+    // Where the recording breaks off, frames that had not begun are not lost. Without the host's
+    // bytes, nobody knows which were to come.
+    const bool is_cut = is_end && board_.streams() && !has_all(set, expected);
+    if (is_cut && set.dropped.empty()) continue;
     auto configuration = board_.configuration(set.configuration);
     frames_.push_back({std::move(set), std::move(configuration)});
   }
