@@ -28,12 +28,6 @@ def probe_serial(world, text):
     prints(r"disparities +64\n")(world, text.replace("/dev/ttyUSB0", str(line)))
 
 
-def compare(world, text):
-    # A virtual board without gateware has no signatures: they read 0, so the first stage differs.
-    out = world.run(BOARD + text, code=1)
-    assert re.search(r"rectify +board 0x00000000, software 0x[0-9A-F]{8}: different", out), out
-
-
 def record(world, text):
     world.run(BOARD + text)
     assert (world.folder / "link.rec").stat().st_size > data.WIDTH * data.HEIGHT
@@ -118,7 +112,7 @@ OTHERS = {
     ("docs/tools.md", "Boards"): [
         ("rosrun fpga_stereo board probe /dev/ttyUSB0", probe_serial),
         ("rosrun fpga_stereo board compare usb left.png right.png --left-info left.yaml "
-         "--right-info right.yaml", compare)],
+         "--right-info right.yaml", prints(r"all 7 stages are equal", BOARD))],
     ("docs/tools.md", "Bags and calibration files"): [
         ("rosrun fpga_stereo make_bag create pair.bag --left left/ --right right/ --left-info left.yaml "
          "--right-info right.yaml", writes("pair.bag", prepare="rm pair.bag; ")),

@@ -88,7 +88,11 @@ def write_opencv_calibration(folder):
     camera = [300, 0, 160, 0, 300, 120, 0, 0, 1]
     text = "".join(matrix(f"M{i}", 3, 3, camera) + matrix(f"D{i}", 1, 5, [0] * 5) for i in (1, 2))
     (folder / "intrinsics.yml").write_text("%YAML:1.0\n---\n" + text, encoding="utf-8")
-    text = matrix("R", 3, 3, [1, 0, 0, 0, 1, 0, 0, 0, 1]) + matrix("T", 3, 1, [-0.04, 0, 0])
+    turn = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    text = matrix("R", 3, 3, turn) + matrix("T", 3, 1, [-0.04, 0, 0])
+    for i, shift in ((1, 0), (2, -12)):
+        text += matrix(f"R{i}", 3, 3, turn)
+        text += matrix(f"P{i}", 3, 4, [300, 0, 160, shift, 0, 300, 120, 0, 0, 0, 1, 0])
     (folder / "extrinsics.yml").write_text("%YAML:1.0\n---\n" + text, encoding="utf-8")
 
 

@@ -73,9 +73,10 @@ class World:
         shutil.copytree(self.base, self.folder, symlinks=True, copy_function=os.link)
 
     def end_of_section(self):
-        """Ends all programs but the master and the display, and restores the folder."""
+        """Ends all programs but the display, and restores the folder. A new section has a new master,
+        so that the parameters of another one do not hold in it."""
         for name in list(self.processes):
-            if name not in ("roscore", "Xvfb"):
+            if name != "Xvfb":
                 self.stop(name)
         self.renew_folder()
 
