@@ -86,6 +86,10 @@ TEST_F(Frames, RefusesWhatItCannotUse) {
                  make_bag({"frames", "--left-info", at("none.yaml"), "--right-info",
                            "http://camera/right.yaml"}),
                  1, {"none.yaml"});
+  expect_refused("make_bag",
+                 make_bag({"frames", "--left-info", "http://camera/left.yaml", "--right-info",
+                           at("right.yaml")}),
+                 1, {"http://camera/left.yaml", "file:///PATH"});
 }
 
 }  // namespace

@@ -88,8 +88,8 @@ CameraCalibration read(const po::variables_map& options, const std::string& side
 }
 
 double baseline(const po::variables_map& options, const std::string& name) {
-  const auto rectification =
-      make_stereo_rectification(read(options, "left", name), read(options, "right", name), 0);
+  const CameraCalibration left = read(options, "left", name), right = read(options, "right", name);
+  const auto rectification = make_stereo_rectification(left, right, 0);
   require(rectification);
   return rectification->geometry.baseline;
 }
