@@ -71,7 +71,10 @@ void Health::link_latency(double ms) {
 
 void Health::set_has_subscribers(bool has_subscribers) {
   const MutexLock lock(mutex_);
-  if (!has_subscribers) has_published_ = false;
+  if (!has_subscribers) {
+    has_published_ = false;
+    refusal_.reset();  // it would mislead the next subscriber
+  }
   has_subscribers_ = has_subscribers;
 }
 

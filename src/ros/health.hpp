@@ -60,8 +60,8 @@ class Health {
   void received() FPGA_STEREO_EXCLUDES(mutex_);
   /// Counts frames dropped on purpose, without an explanation.
   void dropped(DropCause cause, std::uint64_t frames = 1) FPGA_STEREO_EXCLUDES(mutex_);
-  /// Counts a refused frame. The report holds until a frame is published; it is logged if it is
-  /// new, as an error if the user has to act.
+  /// Counts a refused frame. The report holds until a frame is published or nobody subscribes any
+  /// more; it is logged if it is new, as an error if the user has to act.
   void refused(DropCause cause, const std::string& text) FPGA_STEREO_EXCLUDES(mutex_);
   /// The same, with another state than that of the cause.
   void refused(DropCause cause, const StateReport& report) FPGA_STEREO_EXCLUDES(mutex_);

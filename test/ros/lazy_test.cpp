@@ -105,6 +105,10 @@ TEST(Lazy, ImagesOfOneCameraComeBesidePairsWithTheirOwnStamps) {
 TEST(Lazy, StreamsOnlyAfterTheFirstFrame) {
   Rig rig;
   ASSERT_TRUE(rig.node_is_unsubscribed());
+  // A refusal that an earlier subscriber was told about is forgotten.
+  ASSERT_EQ(
+      rig.status_when([](const StereoStatus& s) { return s.state == StereoStatus::IDLE; }).state,
+      StereoStatus::IDLE);
   Listener<DisparityImage> disparity(rig.nh(), "disparity");
   ASSERT_TRUE(rig.node_listens());
   const StereoStatus before =
