@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "core/thread_safety.hpp"
+#include "link/clock.hpp"
 #include "link/usb_device.hpp"
 
 namespace fpga_stereo::link {
@@ -54,10 +55,9 @@ HotplugWatch::~HotplugWatch() {
 }
 
 bool HotplugWatch::wait(std::chrono::milliseconds timeout) {
-  const auto until = std::chrono::steady_clock::now() + timeout;
+  const auto until = Clock::now() + timeout;
   while (!state_->has_changed && !state_->is_interrupted) {
-    const auto left =
-        std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
     if (left.count() <= 0) break;
     const UsbContext context = state_->get();
     if (!context) {

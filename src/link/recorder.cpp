@@ -35,10 +35,7 @@ Result<std::unique_ptr<Recorder>> Recorder::open(std::unique_ptr<Transport> inne
 }
 
 Recorder::Recorder(std::unique_ptr<Transport> inner, std::string path, std::FILE* file)
-    : inner_(std::move(inner)),
-      path_(std::move(path)),
-      start_(std::chrono::steady_clock::now()),
-      file_(file) {
+    : inner_(std::move(inner)), path_(std::move(path)), start_(Clock::now()), file_(file) {
   // A large buffer: at 40 MB/s in pieces of some KiB, 40 system calls per second.
   std::setvbuf(file, nullptr, _IOFBF, 1 << 20);
 }
@@ -46,8 +43,7 @@ Recorder::Recorder(std::unique_ptr<Transport> inner, std::string path, std::FILE
 Recorder::~Recorder() = default;
 
 void Recorder::append(std::uint8_t direction, const std::uint8_t* bytes, std::size_t size) {
-  const auto time = std::chrono::duration_cast<std::chrono::microseconds>(
-      std::chrono::steady_clock::now() - start_);
+  const auto time = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start_);
   const MutexLock lock(mutex_);
   while (size > 0 && file_) {
     const std::size_t part = std::min<std::size_t>(size, kMaxRecordBytes);

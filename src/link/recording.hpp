@@ -2,7 +2,6 @@
 // format is in fpga_fw/spec/link.md.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
@@ -15,6 +14,7 @@
 #include "core/thread_safety.hpp"
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/link/transport.hpp"
+#include "link/clock.hpp"
 
 namespace fpga_stereo::link {
 
@@ -53,7 +53,7 @@ class Recorder : public Transport {
 
   const std::unique_ptr<Transport> inner_;
   const std::string path_;
-  const std::chrono::steady_clock::time_point start_;
+  const Time start_;
   mutable Mutex mutex_;
   /// Null once the recording has ended.
   std::unique_ptr<std::FILE, CloseFile> file_ FPGA_STEREO_GUARDED_BY(mutex_);
@@ -98,7 +98,6 @@ class RecordClock {
   bool wait(std::uint64_t time, std::chrono::milliseconds timeout) const;
 
  private:
-  using Clock = std::chrono::steady_clock;
   const double speed_;
   const Clock::time_point start_ = Clock::now();
 };

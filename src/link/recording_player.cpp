@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "link/clock.hpp"
 #include "link/decoder.hpp"
 #include "link/frame_assembler.hpp"
 #include "link/frame_set_collector.hpp"
@@ -13,7 +14,6 @@
 namespace fpga_stereo::link {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 /// Raw images accompany some pairs only.

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "link/clock.hpp"
 #include "link/packet.hpp"
 #include "link/recording.hpp"
 

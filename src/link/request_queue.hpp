@@ -2,7 +2,6 @@
 // used up.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -11,13 +10,11 @@
 
 #include "fpga_stereo/core/result.hpp"
 #include "fpga_stereo/link/session_options.hpp"
+#include "link/clock.hpp"
 #include "link/outbox.hpp"
 #include "link/request.hpp"
 
 namespace fpga_stereo::link {
-
-using Clock = std::chrono::steady_clock;
-using Time = Clock::time_point;
 
 class RequestQueue {
  public:

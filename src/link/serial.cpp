@@ -15,17 +15,16 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <optional>
 #include <utility>
 
+#include "link/clock.hpp"
+
 namespace fpga_stereo::link {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Chips divide a clock to make a rate. UARTs tolerate an error of about 4 %.
 constexpr double kBaudTolerance = 0.03;

@@ -11,7 +11,6 @@
 namespace fpga_stereo::link {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 // One transfer is in flight at a time: bytes of a later one must not follow one that was cancelled.

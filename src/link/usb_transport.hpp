@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/thread_safety.hpp"
+#include "link/clock.hpp"
 #include "link/usb.hpp"
 #include "link/usb_device.hpp"
 
@@ -67,8 +68,7 @@ class UsbTransport : public Transport {
   bool clear_halt(std::uint8_t endpoint) FPGA_STEREO_EXCLUDES(mutex_);
   /// Sends the first `size` bytes of the out buffer. Returns how many the chip took until the
   /// deadline; nullopt if the transport failed.
-  std::optional<std::size_t> send(std::size_t size, std::chrono::steady_clock::time_point deadline)
-      FPGA_STEREO_EXCLUDES(mutex_);
+  std::optional<std::size_t> send(std::size_t size, Time deadline) FPGA_STEREO_EXCLUDES(mutex_);
   /// Stops the transfers. Returns true if all have ended within a second.
   bool pause() FPGA_STEREO_EXCLUDES(mutex_);
   void resume() FPGA_STEREO_EXCLUDES(mutex_);
