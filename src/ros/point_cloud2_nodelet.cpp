@@ -63,7 +63,10 @@ void PointCloud2Nodelet::onInit() {
   settings_ = load_settings(private_nh, report);
   for (const std::string& error : report.errors) NODELET_ERROR_STREAM("parameter " << error);
   for (const std::string& warning : report.warnings) NODELET_WARN_STREAM("parameter " << warning);
-  for (const std::string& message : unknown_parameters(private_nh)) NODELET_WARN_STREAM(message);
+  know_parameters_of_stereo(private_nh, report);
+  for (const std::string& message : unknown_parameters(private_nh, report.names)) {
+    NODELET_WARN_STREAM(message);
+  }
 
   // A subscriber that comes meanwhile changes nothing yet: there is no input.
   output_ = CloudOutput(nh, [this] { on_demand_change(); });

@@ -5,6 +5,7 @@
 #include <ros/node_handle.h>
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -60,10 +61,15 @@ std::optional<std::string> translate_algorithm(const ros::NodeHandle& private_nh
 /// node.
 std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh);
 
-/// Returns a message for each private parameter that no nodelet of this package knows, with the
-/// name that it resembles: nodelets may share a file with parameters. Leaves namespaces within the
-/// private one alone, because they may belong to others. Call after check_parameters().
-std::vector<std::string> unknown_parameters(const ros::NodeHandle& private_nh);
+/// Adds to `report.names` the parameters that fpga_stereo/stereo reads and the other nodelets do
+/// not: nodelets may share a file with parameters.
+void know_parameters_of_stereo(const ros::NodeHandle& private_nh, ParameterReport& report);
+
+/// Returns a message for each private parameter that is not among `known`, with the name that it
+/// resembles. Leaves namespaces within the private one alone, because they may belong to others.
+/// Also knows what ignored_parameters() names, and the parameters of the libraries used.
+std::vector<std::string> unknown_parameters(const ros::NodeHandle& private_nh,
+                                            std::set<std::string> known);
 
 /// Converts `config` to settings. A value that is not allowed is replaced by the one in `accepted`,
 /// in `config` too, and a message about it is appended to `refusals`.

@@ -24,19 +24,6 @@ constexpr Ignored kIgnored[]{{"prefilter_size", ""},
                              {"P2", "sgm_p2, sgm_p2_edge and sgm_p2_strong_edge, on another scale"},
                              {"fullDP", "sgm_build"}};
 
-/// Returns the names of the parameters that the nodelets and the libraries they use read.
-std::set<std::string> known_parameters(const ros::NodeHandle& private_nh) {
-  ParameterReport report;
-  check_parameters(private_nh, report);
-  load_sync_settings(private_nh, report);
-  load_output_topics(private_nh, report);
-  load_board_settings(private_nh, report);
-  // Of image_transport and diagnostic_updater.
-  report.names.insert({"image_transport", "diagnostic_period"});
-  for (const Ignored& ignored : kIgnored) report.names.insert(ignored.name);
-  return report.names;
-}
-
 }  // namespace
 
 SyncSettings load_sync_settings(const ros::NodeHandle& private_nh, ParameterReport& report) {
@@ -79,8 +66,18 @@ std::vector<std::string> ignored_parameters(const ros::NodeHandle& private_nh) {
   return messages;
 }
 
-std::vector<std::string> unknown_parameters(const ros::NodeHandle& private_nh) {
-  const std::set<std::string> known = known_parameters(private_nh);
+void know_parameters_of_stereo(const ros::NodeHandle& private_nh, ParameterReport& report) {
+  ParameterReport of_stereo;
+  load_output_topics(private_nh, of_stereo);
+  load_board_settings(private_nh, of_stereo);
+  report.names.merge(of_stereo.names);
+}
+
+std::vector<std::string> unknown_parameters(const ros::NodeHandle& private_nh,
+                                            std::set<std::string> known) {
+  // Of image_transport and diagnostic_updater.
+  known.insert({"image_transport", "diagnostic_period"});
+  for (const Ignored& ignored : kIgnored) known.insert(ignored.name);
   const std::string prefix = private_nh.getNamespace() + "/";
   std::vector<std::string> names, messages;
   private_nh.getParamNames(names);

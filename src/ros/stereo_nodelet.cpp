@@ -26,7 +26,10 @@ void StereoNodelet::onInit() {
   for (const std::string& error : report.errors) NODELET_ERROR_STREAM("parameter " << error);
   for (const std::string& warning : report.warnings) NODELET_WARN_STREAM("parameter " << warning);
   for (const std::string& message : ignored_parameters(private_nh)) NODELET_WARN_STREAM(message);
-  for (const std::string& message : unknown_parameters(private_nh)) NODELET_WARN_STREAM(message);
+  if (kind_ == PairKind::kRectified) know_parameters_of_stereo(private_nh, report);
+  for (const std::string& message : unknown_parameters(private_nh, report.names)) {
+    NODELET_WARN_STREAM(message);
+  }
   if (const Status known = check_target_variable(); !known) {
     NODELET_ERROR_STREAM(known.error().message << "; using " << target());
   }

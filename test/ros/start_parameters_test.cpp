@@ -92,7 +92,7 @@ TEST(StartParameters, NamesTheUnknownOnes) {
   nh.setParam("compressed/mode", "unchanged");
   EXPECT_EQ(report.names.count("serial_number"), 1U);
   EXPECT_EQ(report.names.count("keep_incomplete"), 1U);
-  EXPECT_TRUE(unknown_parameters(nh).empty());
+  EXPECT_TRUE(unknown_parameters(nh, report.names).empty());
 
   nh.setParam("disparty_range", 96);
   nh.setParam("backends", "board");
@@ -101,7 +101,7 @@ TEST(StartParameters, NamesTheUnknownOnes) {
       "parameter backends is unknown and has no effect: did you mean backend?",
       "parameter disparty_range is unknown and has no effect: did you mean disparity_range?",
       "parameter exposure_time is unknown and has no effect"};
-  std::vector<std::string> messages = unknown_parameters(nh);
+  std::vector<std::string> messages = unknown_parameters(nh, report.names);
   std::sort(messages.begin(), messages.end());
   EXPECT_EQ(messages, expected);
 }
