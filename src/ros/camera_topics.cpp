@@ -1,10 +1,5 @@
 #include "ros/camera_topics.hpp"
 
-#include <camera_calibration_parsers/parse.h>
-
-#include <fstream>
-#include <optional>
-#include <string_view>
 #include <utility>
 
 #include "ros/calibration_url.hpp"
@@ -18,23 +13,6 @@ using camera_info_manager::CameraInfoManager;
 const std::array<std::string, 2> kSides{"left", "right"};
 /// What an empty URL means to the manager.
 const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
-
-/// Reads the calibration file of a file:// URL. Returns nullopt for other URLs and unreadable
-/// files.
-std::optional<sensor_msgs::CameraInfo> read_info(const std::string& url) {
-  constexpr std::string_view kFile = "file://";
-  if (url.rfind(kFile, 0) != 0) return std::nullopt;
-  const std::string path = url.substr(kFile.size());
-  if (!std::ifstream(path)) return std::nullopt;
-  std::string camera;
-  sensor_msgs::CameraInfo info;
-  try {
-    if (camera_calibration_parsers::readCalibration(path, camera, info)) return info;
-  } catch (const std::exception&) {
-    // The parser lets exceptions of its YAML library through.
-  }
-  return std::nullopt;
-}
 
 }  // namespace
 
@@ -54,8 +32,8 @@ CameraTopics::Camera CameraTopics::advertise(std::size_t side) {
   camera.manager =
       std::make_unique<CameraInfoManager>(ros::NodeHandle(nh_, kSides[side]), name, url);
   // The manager reads the file only if we cannot: it warns about a camera that is called otherwise.
-  const std::string full_url = camera.manager->resolveURL(url.empty() ? kDefaultUrl : url, name);
-  if (const auto info = read_info(full_url)) camera.manager->setCameraInfo(*info);
+  const auto read = read_calibration_url(url.empty() ? kDefaultUrl : url, name);
+  if (read) camera.manager->setCameraInfo(to_camera_info(*read, {}));
   camera.images = advertiser_.advertise(kSides[side] + "/image_raw", ImageKind::kEightBit);
   camera.infos =
       nh_.advertise<sensor_msgs::CameraInfo>(kSides[side] + "/camera_info", 1, on_info, on_info);
