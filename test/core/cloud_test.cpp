@@ -33,6 +33,17 @@ cv::Mat1w small_disparity() {
   return disparity;
 }
 
+/// Returns disparities of up to 255 px, and pixels without one.
+cv::Mat1w random_disparity(cv::Size size) {
+  cv::RNG rng(5);
+  cv::Mat1w disparity(size);
+  for (auto& value : disparity) {
+    value =
+        rng.uniform(0, 4) == 0 ? kNoDisparity : static_cast<std::uint16_t>(rng.uniform(0, 8161));
+  }
+  return disparity;
+}
+
 TEST(CloudLayout, Sizes) {
   EXPECT_EQ(layout(PointColor::kRgb, true, true).point_step(), 32);
   EXPECT_EQ(layout(PointColor::kMono, true, true).point_step(), 32);
@@ -150,12 +161,7 @@ TEST(Cloud, OffsetDecidesWhichPointsLieInFrontOfTheCamera) {
 // The principal points differ, so the floats are rounded.
 TEST(Cloud, OfTheFloatsHasTheBytesOfThePipelinesCloud) {
   const cv::Size size(13, 7);
-  cv::RNG rng(5);
-  cv::Mat1w disparity(size);
-  for (auto& value : disparity) {
-    value =
-        rng.uniform(0, 4) == 0 ? kNoDisparity : static_cast<std::uint16_t>(rng.uniform(0, 8161));
-  }
+  const cv::Mat1w disparity = random_disparity(size);
   Reprojection r = kCamera;
   for (const double offset : {0.0, 8.0, -20.123456789}) {
     r.offset = offset;
@@ -196,12 +202,7 @@ TEST(Cloud, OfFloatsHasNoPointWithoutAPositiveDisparityInTheRange) {
 /// Compares every pixel with the formula.
 TEST(Cloud, EveryLayoutAndKindOfImage) {
   const cv::Size size(13, 7);
-  cv::RNG rng(5);
-  cv::Mat1w disparity(size);
-  for (auto& value : disparity) {
-    value =
-        rng.uniform(0, 4) == 0 ? kNoDisparity : static_cast<std::uint16_t>(rng.uniform(0, 8161));
-  }
+  const cv::Mat1w disparity = random_disparity(size);
   Reprojection r = kCamera;
   r.offset = -20.5;
   for (const cv::Mat& image :

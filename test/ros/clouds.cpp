@@ -36,6 +36,21 @@ void expect_disparity(const DisparityImage& message, const cv::Mat1w& expected, 
   EXPECT_EQ(different, 0);
 }
 
+void expect_close_disparities(const stereo_msgs::DisparityImage& ours,
+                              const stereo_msgs::DisparityImage& theirs) {
+  const unsigned pixels = ours.image.width * ours.image.height;
+  unsigned both = 0, close = 0;
+  for (unsigned i = 0; i < pixels; ++i) {
+    const float a = float_at(ours.image.data, i * 4);
+    const float b = float_at(theirs.image.data, i * 4);
+    if (a < 0 || b < 0) continue;
+    ++both;
+    close += std::abs(a - b) <= 1 ? 1 : 0;
+  }
+  EXPECT_GT(both, pixels / 10);
+  EXPECT_GT(close, both * 9 / 10);
+}
+
 void expect_same_fields(const PointCloud2& ours, const PointCloud2& theirs) {
   EXPECT_EQ(ours.header.stamp, theirs.header.stamp);
   EXPECT_EQ(ours.header.frame_id, theirs.header.frame_id);

@@ -18,6 +18,11 @@ float float_at(const std::vector<std::uint8_t>& data, std::size_t offset);
 void expect_disparity(const stereo_msgs::DisparityImage& message, const cv::Mat1w& expected,
                       double offset);
 
+/// Expects that a tenth of the pixels have a disparity in both messages, and that nine of ten of
+/// these differ by at most 1 px.
+void expect_close_disparities(const stereo_msgs::DisparityImage& ours,
+                              const stereo_msgs::DisparityImage& theirs);
+
 /// Expects clouds with the same fields, of points of 32 bytes.
 void expect_same_fields(const sensor_msgs::PointCloud2& ours,
                         const sensor_msgs::PointCloud2& theirs);
