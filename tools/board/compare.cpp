@@ -25,17 +25,11 @@ CommandLine command_line() {
   CommandLine line;
   line.usage =
       "Usage: board compare [DEVICE] [LEFT RIGHT] [options]\n"
-      "Sends a pair to the board in place of its cameras and compares the signature of every stage "
-      "with\n"
-      "the software's, to say which stage of the hardware is the first that differs. LEFT and "
-      "RIGHT "
-      "are\n"
-      "image files; without them, a textured pair is sent. Without --left-info and --right-info "
-      "the "
-      "pair\n"
-      "is not rectified. The exit code is 1 if a stage differs. Afterwards the board must be "
-      "configured\n"
-      "again.\n";
+      "Sends a pair to the board in place of its cameras and compares the signature of every\n"
+      "stage with the software's, to say which stage of the hardware is the first that differs.\n"
+      "LEFT and RIGHT are image files; without them, a textured pair is sent. Without --left-info\n"
+      "and --right-info the pair is not rectified. The exit code is 1 if a stage differs.\n"
+      "Afterwards the board must be configured again.\n";
   line.rest = "LEFT RIGHT";
   line.takes_files = true;
   add_patience(line);
