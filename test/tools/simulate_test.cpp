@@ -4,6 +4,7 @@
 
 #include "fpga_stereo/core/parameters.hpp"
 #include "programs.hpp"
+#include "support/program.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -142,7 +143,7 @@ TEST_F(SimulateUsage, HelpNamesEveryOption) {
     EXPECT_NE(run.out.find(option), std::string::npos) << option;
   }
   for (const ParameterInfo& info : parameter_table()) {
-    EXPECT_NE(run.out.find("--" + info.name + " "), std::string::npos) << info.name;
+    EXPECT_NE(run.out.find("--" + option_name(info.name) + " "), std::string::npos) << info.name;
   }
   EXPECT_NE(on_one_line(run.out).find("[window or sgm; default window]"), std::string::npos);
 }
@@ -150,7 +151,7 @@ TEST_F(SimulateUsage, HelpNamesEveryOption) {
 TEST_F(SimulateUsage, WrongUsage) {
   expect_refused(simulate({left_, right_}), 2, {"OUT is missing"});
   expect_refused(simulate({left_, right_, at("out.jpg")}), 2, {"out.jpg", ".png and .pfm"});
-  expect_refused({"--disparity_range", "7"}, 2, {"--disparity_range", "8 to 256 in steps of 4"});
+  expect_refused({"--disparity_range", "7"}, 2, {"--disparity-range", "8 to 256 in steps of 4"});
   for (const std::string rows : {"0", "3", "5", "256", "-2"}) {
     expect_refused({"--line-rows=" + rows}, 2,
                    {"--line-rows = " + rows, "allowed 4 to 254 in steps of 2"});
