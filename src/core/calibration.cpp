@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/printable.hpp"
 #include "core/stages.hpp"
 
 namespace fpga_stereo {
@@ -67,7 +68,7 @@ Status validate_distortion(const CameraCalibration& camera, const std::string& n
     return error(
         ErrorKind::kCalibration,
         "{} camera_info distortion_model = \"{}\": allowed plumb_bob or rational_polynomial", name,
-        model);
+        printable(model));
   }
   if (camera.D.size() != expected) {
     return error(ErrorKind::kCalibration, "{} camera_info D has {} values: {} needs {}", name,

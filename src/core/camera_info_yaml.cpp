@@ -17,8 +17,7 @@ namespace fpga_stereo {
 namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{64} * 1024;
-constexpr int kMaxSide = 65535;       // px, of a calibrated image
-constexpr int kMaxCoefficients = 14;  // OpenCV's largest distortion model
+constexpr int kMaxCoefficients = kMaxDistortionCoefficients;
 constexpr std::size_t kMaxQuotedBytes = 40;
 
 /// A mapping of the file, with the path of keys that leads to it.
@@ -145,7 +144,7 @@ Status read_roi(const Mapping& root, cv::Rect& roi) {
   const std::pair<const char*, int*> fields[] = {
       {"x_offset", &roi.x}, {"y_offset", &roi.y}, {"width", &roi.width}, {"height", &roi.height}};
   for (const auto& [key, field] : fields) {
-    const auto value = read_optional_int(*mapping, key, kMaxSide);
+    const auto value = read_optional_int(*mapping, key, kMaxCalibratedSide);
     if (!value) return value.error();
     *field = *value;
   }
@@ -156,14 +155,14 @@ Status read_sizes(const Mapping& root, CameraCalibration& camera) {
   const std::pair<const char*, int*> required[] = {{"image_width", &camera.width},
                                                    {"image_height", &camera.height}};
   for (const auto& [key, field] : required) {
-    const auto value = read_int(root, key, 1, kMaxSide);
+    const auto value = read_int(root, key, 1, kMaxCalibratedSide);
     if (!value) return value.error();
     *field = *value;
   }
   const std::pair<const char*, int*> optional[] = {{"binning_x", &camera.binning_x},
                                                    {"binning_y", &camera.binning_y}};
   for (const auto& [key, field] : optional) {
-    const auto value = read_optional_int(root, key, kMaxSide);
+    const auto value = read_optional_int(root, key, kMaxCalibratedSide);
     if (!value) return value.error();
     *field = *value;
   }

@@ -90,10 +90,12 @@ void CameraInfoInput::check_size(const sensor_msgs::Image& image, cv::Size calib
     const MutexLock lock(mutex_);
     if (std::exchange(is_size_checked_, true)) return;
   }
-  const cv::Size size(static_cast<int>(image.width), static_cast<int>(image.height));
-  if (size == calibrated) return;
-  ROS_ERROR_STREAM("the images of the " << side_ << " camera are " << size.width << "x"
-                                        << size.height << ", but the calibration in " << url_
+  if (image.width == static_cast<std::uint32_t>(calibrated.width) &&
+      image.height == static_cast<std::uint32_t>(calibrated.height)) {
+    return;
+  }
+  ROS_ERROR_STREAM("the images of the " << side_ << " camera are " << image.width << "x"
+                                        << image.height << ", but the calibration in " << url_
                                         << " is for " << calibrated.width << "x"
                                         << calibrated.height << ": calibrate at this size");
 }

@@ -66,7 +66,10 @@ CameraTopics::Demand CameraTopics::demand() const {
 StereoCalibration CameraTopics::calibration() const {
   const auto calibration_of = [this](const Camera& camera) {
     CameraCalibration calibration;
-    if (camera.manager) calibration = to_calibration(camera.manager->getCameraInfo());
+    if (camera.manager) {
+      const auto info = to_calibration(camera.manager->getCameraInfo(), "board");
+      if (info) calibration = *info;
+    }
     if (calibration.K[0] == 0) {
       calibration.width = settings_.image_size.width;
       calibration.height = settings_.image_size.height;

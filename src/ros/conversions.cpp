@@ -7,34 +7,34 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
+#include "core/printable.hpp"
 #include "core/stages.hpp"
+#include "ros/image_pixels.hpp"
 
 namespace fpga_stereo {
 namespace {
 
 namespace enc = sensor_msgs::image_encodings;
 
+constexpr std::size_t kMaxExceptionBytes = 200;
+constexpr std::size_t kMaxModelBytes = 64;  // of the name of a distortion model
+
 /// Decodes with cv_bridge, and returns its exceptions as errors.
 Result<cv::Mat> convert(const sensor_msgs::ImageConstPtr& image, const std::string& encoding,
                         const std::string& camera) {
-  const auto refuse = [&](const std::string& why) {
-    return Error{ErrorKind::kInvalid,
-                 fmt::format("{} image with encoding \"{}\", {}x{}, step {}, {} bytes: {}; allowed "
-                             "are mono8, mono16, bgr8, rgb8, bgra8, rgba8 and bayer_*8",
-                             camera, image->encoding, image->width, image->height, image->step,
-                             image->data.size(), why)};
-  };
-  if (image->width == 0 || image->height == 0) return refuse("it has no pixels");
+  Result<cv::Mat> pixels = pixels_of(*image, camera);
+  if (!pixels || image->encoding == encoding) return pixels;
   try {
-    return cv_bridge::toCvShare(image, encoding)->image;
-  } catch (const cv_bridge::Exception& e) {
-    return refuse(e.what());
-  } catch (const cv::Exception& e) {
-    return refuse(e.what());
-  } catch (const std::runtime_error& e) {  // the encoding has no known channel count
-    return refuse(e.what());
+    const auto decoded =
+        boost::make_shared<const cv_bridge::CvImage>(image->header, image->encoding, *pixels);
+    return cv_bridge::cvtColor(decoded, encoding)->image;
+  } catch (const std::exception& e) {  // of OpenCV, if the size does not suit the encoding
+    return image_error(*image, camera,
+                       printable(e.what(), kMaxExceptionBytes) +
+                           "; allowed are mono8, mono16, bgr8, rgb8, bgra8, rgba8 and bayer_*8");
   }
 }
 
@@ -100,19 +100,42 @@ void fill_cloud(const CloudLayout& layout, const std_msgs::Header& header,
 
 }  // namespace
 
-CameraCalibration to_calibration(const sensor_msgs::CameraInfo& info) {
+Result<CameraCalibration> to_calibration(const sensor_msgs::CameraInfo& info,
+                                         const std::string& name) {
+  const auto refuse = [&](const std::string& problem) {
+    return Error{ErrorKind::kCalibration, fmt::format("{} camera_info {}", name, problem)};
+  };
   CameraCalibration c;
-  c.width = static_cast<int>(info.width);
-  c.height = static_cast<int>(info.height);
+  const std::tuple<const char*, std::uint32_t, int*> sizes[] = {
+      {"width", info.width, &c.width},
+      {"height", info.height, &c.height},
+      {"binning_x", info.binning_x, &c.binning_x},
+      {"binning_y", info.binning_y, &c.binning_y},
+      {"roi.x_offset", info.roi.x_offset, &c.roi.x},
+      {"roi.y_offset", info.roi.y_offset, &c.roi.y},
+      {"roi.width", info.roi.width, &c.roi.width},
+      {"roi.height", info.roi.height, &c.roi.height}};
+  for (const auto& [field, value, target] : sizes) {
+    if (value > std::uint32_t{kMaxCalibratedSide}) {
+      return refuse(fmt::format("{} = {}: allowed are 0 to {}", field, value, kMaxCalibratedSide));
+    }
+    *target = static_cast<int>(value);
+  }
+  if (info.D.size() > kMaxDistortionCoefficients) {
+    return refuse(fmt::format("D has {} values: allowed are up to {}", info.D.size(),
+                              kMaxDistortionCoefficients));
+  }
+  if (info.distortion_model.size() > kMaxModelBytes) {
+    return refuse(
+        fmt::format("distortion_model = \"{}\": allowed are plumb_bob and "
+                    "rational_polynomial",
+                    printable(info.distortion_model)));
+  }
   c.distortion_model = info.distortion_model;
   c.D = info.D;
   std::copy(info.K.begin(), info.K.end(), c.K.begin());
   std::copy(info.R.begin(), info.R.end(), c.R.begin());
   std::copy(info.P.begin(), info.P.end(), c.P.begin());
-  c.binning_x = static_cast<int>(info.binning_x);
-  c.binning_y = static_cast<int>(info.binning_y);
-  c.roi = {static_cast<int>(info.roi.x_offset), static_cast<int>(info.roi.y_offset),
-           static_cast<int>(info.roi.width), static_cast<int>(info.roi.height)};
   return c;
 }
 
@@ -192,24 +215,18 @@ void to_disparity_image(const cv::Mat1w& disparity, const StereoGeometry& geomet
 
 Result<cv::Mat1f> to_disparities(const stereo_msgs::DisparityImage& message) {
   const sensor_msgs::Image& image = message.image;
-  const auto refuse = [&](const std::string& why) {
-    return Error{
-        ErrorKind::kInvalid,
-        fmt::format("disparity image with encoding \"{}\", {}x{}, step {}, {} bytes: {}",
-                    image.encoding, image.width, image.height, image.step, image.data.size(), why)};
-  };
-  if (image.encoding != enc::TYPE_32FC1) return refuse("allowed is the encoding 32FC1");
-  if (image.width == 0 || image.height == 0) return refuse("it has no pixels");
-  if (image.width > std::uint32_t{kMaxWidth} || image.height > std::uint32_t{kMaxHeight}) {
-    return refuse(fmt::format("allowed are up to {}x{}", kMaxWidth, kMaxHeight));
+  const std::string name = "disparity";
+  if (image.encoding != enc::TYPE_32FC1) {
+    return image_error(image, name, "allowed is the encoding 32FC1");
   }
-  const std::uint64_t row = std::uint64_t{image.width} * sizeof(float);
-  if (image.step < row || image.step % sizeof(float) != 0) {
-    return refuse(fmt::format("the step must be a multiple of {} from {} on", sizeof(float), row));
+  if (Status layout =
+          check_layout(image, {sizeof(float), sizeof(float)}, {kMaxWidth, kMaxHeight}, name);
+      !layout) {
+    return layout.error();
   }
-  const std::uint64_t size = std::uint64_t{image.step} * image.height;
-  if (image.data.size() < size) return refuse(fmt::format("the data must have {} bytes", size));
-  if (std::isnan(message.min_disparity)) return refuse("min_disparity is not a number");
+  if (std::isnan(message.min_disparity)) {
+    return image_error(image, name, "min_disparity is not a number");
+  }
   // OpenCV has no constant images; nobody writes into this one.
   auto* const pixels = reinterpret_cast<float*>(const_cast<std::uint8_t*>(image.data.data()));
   return cv::Mat1f(static_cast<int>(image.height), static_cast<int>(image.width), pixels,

@@ -18,8 +18,10 @@
 
 namespace fpga_stereo {
 
-/// Copies all fields that core uses: all but roi.do_rectify and the header.
-CameraCalibration to_calibration(const sensor_msgs::CameraInfo& info);
+/// Copies all fields that core uses: all but roi.do_rectify and the header. Refuses sizes and
+/// lengths that no camera has; `name` names the camera in the error.
+Result<CameraCalibration> to_calibration(const sensor_msgs::CameraInfo& info,
+                                         const std::string& name);
 sensor_msgs::CameraInfo to_camera_info(const CameraCalibration& calibration,
                                        const std_msgs::Header& header);
 
@@ -29,7 +31,8 @@ std_msgs::Header to_header(std::int64_t stamp_ns, const std::string& frame_id);
 bool is_grey(const sensor_msgs::Image& image);
 
 /// Decodes mono8, mono16, bgr8, rgb8, bgra8, rgba8 and bayer_*8 to 8UC1. The result of a mono8
-/// message lies in the memory of the message. `camera` names the image in the error.
+/// message lies in the memory of the message. Refuses a message whose fields do not describe its
+/// data; `camera` names the image in the error.
 Result<cv::Mat> to_grey(const sensor_msgs::ImageConstPtr& image, const std::string& camera);
 
 /// Decodes the same encodings to 8UC3 BGR; grey images to 8UC1.

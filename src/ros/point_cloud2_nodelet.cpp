@@ -123,9 +123,12 @@ void PointCloud2Nodelet::on_messages(const CloudMessages& messages) {
 Status PointCloud2Nodelet::publish(const CloudMessages& messages) {
   const auto disparities = to_disparities(*messages.disparity);
   if (!disparities) return disparities.error();
+  const auto left = to_calibration(*messages.left_info, "left");
+  if (!left) return left.error();
+  const auto right = to_calibration(*messages.right_info, "right");
+  if (!right) return right.error();
   const auto geometry =
-      make_stereo_geometry(rectified_calibration(to_calibration(*messages.left_info)),
-                           rectified_calibration(to_calibration(*messages.right_info)));
+      make_stereo_geometry(rectified_calibration(*left), rectified_calibration(*right));
   if (!geometry) return geometry.error();
   if (Status size = check_cloud_size(*disparities, "disparity", geometry->image_size); !size) {
     return size;

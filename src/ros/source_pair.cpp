@@ -42,7 +42,11 @@ Result<SourcePair> decode_pair(const sensor_msgs::ImageConstPtr& left,
     decoded = decode(right, "right", demand.right.rect_color, raw.right, raw.right_color);
   }
   if (!decoded) return decoded.error();
-  raw.calibration = {to_calibration(*left_info), to_calibration(*right_info)};
+  const Result<CameraCalibration> left_camera = to_calibration(*left_info, "left");
+  if (!left_camera) return left_camera.error();
+  const Result<CameraCalibration> right_camera = to_calibration(*right_info, "right");
+  if (!right_camera) return right_camera.error();
+  raw.calibration = {*left_camera, *right_camera};
   if (kind == PairKind::kRectified) {
     raw.calibration = {rectified_calibration(raw.calibration.left),
                        rectified_calibration(raw.calibration.right)};

@@ -32,7 +32,8 @@ enum class PairKind {
 };
 
 /// Decodes the four messages of a pair. The stamp is that of the left image; colour is decoded only
-/// for cameras whose rectified colour images are in demand. Refuses images that cannot be decoded.
+/// for cameras whose rectified colour images are in demand. Refuses images that cannot be decoded
+/// and camera_infos with impossible sizes.
 Result<SourcePair> decode_pair(const sensor_msgs::ImageConstPtr& left,
                                const sensor_msgs::CameraInfoConstPtr& left_info,
                                const sensor_msgs::ImageConstPtr& right,

@@ -154,7 +154,7 @@ void TopicInput::on_pair(const sensor_msgs::ImageConstPtr& left,
     return health_.refused(DropCause::kStamp, "pair refused: " + number.error().message);
   }
   Result<SourcePair> pair = decode_pair(left, left_info, right, right_info, demand(), kind_);
-  if (!pair) return health_.refused(DropCause::kEncoding, pair.error().message);
+  if (!pair) return health_.refused(cause_of(pair.error().kind), pair.error().message);
   (*pair).number = *number;
   callbacks_.pair(*pair);
 }

@@ -27,7 +27,8 @@ cv::Mat& image(link::FrameSet& set, Stream stream) {
 
 PlannedConfiguration planned_for(const PairMessages& pair) {
   PlannedConfiguration planned;
-  planned.calibration = {to_calibration(pair.left_info), to_calibration(pair.right_info)};
+  planned.calibration = {*to_calibration(pair.left_info, "left"),
+                         *to_calibration(pair.right_info, "right")};
   planned.image_size = kSize;
   RectificationCache cache;
   planned.rectification = *cache.get(planned.calibration, 0);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/stages.hpp"
+#include "ros/image_pixels.hpp"
 #include "ros/message_pool.hpp"
 #include "ros/rig.hpp"
 
@@ -162,7 +163,7 @@ TEST(Conversions, CameraInfoKeepsEveryFieldBothWays) {
   info.roi.y_offset = 5;
   info.roi.width = 20;
   info.roi.height = 30;
-  const CameraCalibration c = to_calibration(info);
+  const CameraCalibration c = *to_calibration(info, "right");
   EXPECT_EQ(c.width, 64);
   EXPECT_EQ(c.height, 48);
   EXPECT_EQ(c.distortion_model, "plumb_bob");
@@ -177,7 +178,7 @@ TEST(Conversions, CameraInfoKeepsEveryFieldBothWays) {
   header.frame_id = "somewhere";
   const sensor_msgs::CameraInfo back = to_camera_info(c, header);
   EXPECT_EQ(back.header.frame_id, "somewhere");
-  EXPECT_EQ(to_calibration(back), c);
+  EXPECT_EQ(*to_calibration(back, "right"), c);
 }
 
 TEST(Conversions, GeometryEqualsImageGeometryWithBinningAndRoi) {
@@ -191,8 +192,8 @@ TEST(Conversions, GeometryEqualsImageGeometryWithBinningAndRoi) {
   }
   image_geometry::StereoCameraModel model;
   ASSERT_TRUE(model.fromCameraInfo(pair.left_info, pair.right_info));
-  const auto ours =
-      make_stereo_rectification(to_calibration(pair.left_info), to_calibration(pair.right_info), 0);
+  const auto ours = make_stereo_rectification(*to_calibration(pair.left_info, "left"),
+                                              *to_calibration(pair.right_info, "right"), 0);
   ASSERT_TRUE(ours) << ours.error().message;
   EXPECT_EQ(ours->geometry.image_size, cv::Size(160, 100));
   EXPECT_DOUBLE_EQ(ours->geometry.fx, model.right().fx());
@@ -236,6 +237,120 @@ TEST(Conversions, RefusesDisparityImagesWhoseFieldsDoNotDescribeTheirData) {
                  "the data must have 64424509440 bytes");
   expect_refused([](Message& m) { m.min_disparity = std::nanf(""); }, "min_disparity");
   EXPECT_TRUE(to_disparities(good));
+}
+
+sensor_msgs::ImagePtr image_message(const std::string& encoding, std::uint32_t width,
+                                    std::uint32_t height, std::uint32_t step, std::size_t bytes) {
+  auto image = boost::make_shared<sensor_msgs::Image>();
+  image->encoding = encoding;
+  image->width = width;
+  image->height = height;
+  image->step = step;
+  image->data.resize(bytes);
+  return image;
+}
+
+TEST(Conversions, RefusesImagesWhoseFieldsDoNotDescribeTheirData) {
+  const auto expect_refused = [](const sensor_msgs::ImagePtr& image, const std::string& text) {
+    for (const auto& decoded : {to_grey(image, "left"), to_bgr(image, "left")}) {
+      ASSERT_FALSE(decoded) << text;
+      EXPECT_EQ(decoded.error().message, text);
+    }
+  };
+  // 120 rows of this step are 104 bytes in 32 bits.
+  for (const std::string encoding : {"mono8", "rgba8"}) {
+    expect_refused(
+        image_message(encoding, 160, 120, 35791395, 104),
+        "left image with encoding \"" + encoding +
+            "\", 160x120, step 35791395, 104 bytes: the data must have 4294967400 bytes");
+  }
+  // A row of this width is 0 bytes in 32 bits.
+  expect_refused(
+      image_message("rgba8", 1U << 30, 1, 0, 0),
+      "left image with encoding \"rgba8\", 1073741824x1, step 0, 0 bytes: allowed are up "
+      "to 65535x65535");
+  expect_refused(image_message("mono8", 4, 0, 4, 0),
+                 "left image with encoding \"mono8\", 4x0, step 4, 0 bytes: it has no pixels");
+  expect_refused(image_message("mono8", 4, 2, 3, 6),
+                 "left image with encoding \"mono8\", 4x2, step 3, 6 bytes: the step must be 4 or "
+                 "more");
+  expect_refused(image_message("mono16", 4, 2, 9, 18),
+                 "left image with encoding \"mono16\", 4x2, step 9, 18 bytes: the step must be a "
+                 "multiple of 2 from 8 on");
+  expect_refused(image_message("mono8", 4, 2, 4, 9),
+                 "left image with encoding \"mono8\", 4x2, step 4, 9 bytes: the data must have 8 "
+                 "bytes");
+  expect_refused(image_message("8UC5", 4, 2, 20, 40),
+                 "left image with encoding \"8UC5\", 4x2, step 20, 40 bytes: allowed are 1 to 4 "
+                 "channels");
+  const std::string unknown =
+      ": the encoding is unknown; allowed are mono8, mono16, bgr8, rgb8, bgra8, rgba8, bayer_*8 "
+      "and "
+      "the others of sensor_msgs/image_encodings.h";
+  expect_refused(image_message("\x1b[2J", 4, 2, 4, 8),
+                 "left image with encoding \"\\x1b[2J\", 4x2, step 4, 8 bytes" + unknown);
+  expect_refused(image_message("8UC" + std::string(1000000, '0') + "1", 4, 2, 4, 8),
+                 "left image with encoding \"8UC" + std::string(77, '0') +
+                     "...\", 4x2, step 4, 8 bytes" + unknown);
+  const auto deep = to_grey(image_message("64FC1", 4, 2, 32, 64), "left");
+  ASSERT_FALSE(deep);
+  EXPECT_NE(deep.error().message.find("allowed are mono8, mono16"), std::string::npos)
+      << deep.error().message;
+}
+
+TEST(Conversions, ReadsBothByteOrders) {
+  const auto image = image_message("mono16", 3, 1, 8, 8);
+  image->data = {0x00, 0x80, 0xFF, 0xFF, 0x01, 0x10, 0xAA, 0xAA};
+  const auto little = pixels_of(*image, "left");
+  ASSERT_TRUE(little);
+  EXPECT_EQ(cv::countNonZero(*little != (cv::Mat1w(1, 3) << 0x8000, 0xFFFF, 0x1001)), 0);
+  EXPECT_EQ(little->data, image->data.data());
+  image->is_bigendian = 1;
+  const auto big = pixels_of(*image, "left");
+  ASSERT_TRUE(big);
+  EXPECT_EQ(cv::countNonZero(*big != (cv::Mat1w(1, 3) << 0x0080, 0xFFFF, 0x0110)), 0);
+  const auto grey = to_grey(image, "left");
+  ASSERT_TRUE(grey);
+  EXPECT_EQ(grey->type(), CV_8UC1);
+  EXPECT_EQ(cv::countNonZero(*grey != (cv::Mat1b(1, 3) << 0, 255, 1)), 0);
+
+  const auto color = image_message("bgr16", 1, 1, 6, 6);
+  color->data = {1, 2, 3, 4, 5, 6};
+  color->is_bigendian = 1;
+  const auto swapped = pixels_of(*color, "left");
+  ASSERT_TRUE(swapped);
+  EXPECT_EQ(swapped->at<cv::Vec3w>(0, 0), cv::Vec3w(0x0102, 0x0304, 0x0506));
+}
+
+TEST(Conversions, RefusesCameraInfosThatNoCameraHas) {
+  using Info = sensor_msgs::CameraInfo;
+  const auto expect_refused = [](const std::function<void(Info&)>& damage,
+                                 const std::string& text) {
+    Info info = synthetic_pair({64, 48}, 3).left_info;
+    damage(info);
+    const auto calibration = to_calibration(info, "left");
+    ASSERT_FALSE(calibration) << text;
+    EXPECT_EQ(calibration.error().message, "left camera_info " + text);
+    EXPECT_EQ(calibration.error().kind, ErrorKind::kCalibration);
+  };
+  expect_refused([](Info& i) { i.width = 4294967295; },
+                 "width = 4294967295: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.height = 65536; }, "height = 65536: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.binning_x = 1U << 31; },
+                 "binning_x = 2147483648: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.binning_y = 65536; }, "binning_y = 65536: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.roi.x_offset = 65536; },
+                 "roi.x_offset = 65536: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.roi.y_offset = 65536; },
+                 "roi.y_offset = 65536: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.roi.width = 65536; }, "roi.width = 65536: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.roi.height = 4294967295; },
+                 "roi.height = 4294967295: allowed are 0 to 65535");
+  expect_refused([](Info& i) { i.D.assign(1000000, 0); },
+                 "D has 1000000 values: allowed are up to 14");
+  expect_refused([](Info& i) { i.distortion_model.assign(1000000, 'x'); },
+                 "distortion_model = \"" + std::string(80, 'x') +
+                     "...\": allowed are plumb_bob and rational_polynomial");
 }
 
 TEST(Conversions, Scales16BitGreyTo8Bit) {

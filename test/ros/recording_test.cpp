@@ -103,7 +103,8 @@ class RecordingOfALink : public testing::Test {
   void run(PtyBoard&, const link::BoardDemand& demand, bool is_recorded, bool keeps) {
     link::BoardPlan plan({});
     plan.set_parameters(parameters_);
-    plan.set_calibration({to_calibration(pair_.left_info), to_calibration(pair_.right_info)});
+    plan.set_calibration(
+        {*to_calibration(pair_.left_info, "left"), *to_calibration(pair_.right_info, "right")});
     plan.set_demand(demand);
     std::atomic<int> frames{0};
     std::unique_ptr<link::Device> device;

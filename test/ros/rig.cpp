@@ -62,8 +62,9 @@ PairMessages synthetic_pair(cv::Size size, int disparity, bool distorted) {
 }
 
 cv::Mat1w core_disparity(const PairMessages& pair, const Parameters& parameters) {
-  const auto rectification = make_stereo_rectification(
-      to_calibration(pair.left_info), to_calibration(pair.right_info), parameters.min_disparity);
+  const auto rectification = make_stereo_rectification(*to_calibration(pair.left_info, "left"),
+                                                       *to_calibration(pair.right_info, "right"),
+                                                       parameters.min_disparity);
   const cv::Mat left = cv_bridge::toCvCopy(pair.left, "mono8")->image;
   const cv::Mat right = cv_bridge::toCvCopy(pair.right, "mono8")->image;
   ReferencePipeline pipeline;

@@ -125,9 +125,12 @@ class CloudOfForeignDisparity : public testing::Test {
     std::memcpy(&message.image.data[pixel * 4], &value, sizeof value);
   }
 
-  /// Publishes the disparity with a fitting image and fitting camera_infos. Returns its stamp.
-  ros::Time publish(DisparityImage disparity) {
+  /// Publishes the disparity with an image and camera_infos that fit, unless `damage` changes them.
+  /// Returns its stamp.
+  ros::Time publish(DisparityImage disparity,
+                    const std::function<void(PairMessages&)>& damage = nullptr) {
     PairMessages pair = synthetic_pair(kSize, 12, true);
+    if (damage) damage(pair);
     const ros::Time stamp = rig_.publish(pair);
     pair.left.header.stamp = disparity.header.stamp = stamp;
     color_.publish(pair.left);
@@ -192,6 +195,27 @@ TEST_F(CloudOfForeignDisparity, RefusesMessagesThatCannotBeRight) {
       StereoStatus::BAD_IMAGE, "disparity image is 160x119: camera_info says 160x120");
   EXPECT_TRUE(cloud_.with_stamp(publish(foreign_disparity(12))));
   EXPECT_EQ(rig_.status().state, StereoStatus::STREAMING);
+}
+
+TEST_F(CloudOfForeignDisparity, RefusesColorAndCameraInfoThatCannotBeRight) {
+  const auto expect_refused = [&](const std::function<void(PairMessages&)>& damage,
+                                  const std::string& words) {
+    const ros::Time stamp = publish(foreign_disparity(12), damage);
+    const StereoStatus status = rig_.status_when(
+        [&](const StereoStatus& s) { return s.state_text.find(words) != std::string::npos; });
+    EXPECT_NE(status.state_text.find(words), std::string::npos) << status.state_text;
+    EXPECT_FALSE(cloud_.with_stamp(stamp, 0));
+    EXPECT_TRUE(cloud_.with_stamp(publish(foreign_disparity(12))));
+  };
+  expect_refused(
+      [](PairMessages& p) {
+        p.left.step = 35791395;  // 120 rows are 104 bytes in 32 bits
+        p.left.data.resize(104);
+      },
+      "left/image_rect_color image with encoding \"mono8\", 160x120, step 35791395, 104 bytes: the "
+      "data must have 4294967400 bytes");
+  expect_refused([](PairMessages& p) { p.right_info.roi.width = 1U << 31; },
+                 "right camera_info roi.width = 2147483648: allowed are 0 to 65535");
 }
 
 }  // namespace

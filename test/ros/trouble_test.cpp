@@ -66,6 +66,45 @@ TEST_F(Trouble, DataShorterThanTheImage) {
                  StereoStatus::BAD_IMAGE, "100 bytes");
 }
 
+TEST_F(Trouble, SizeThatOverflows32Bits) {
+  for (const std::string encoding : {"mono8", "rgba8"}) {
+    for (sensor_msgs::Image PairMessages::*side : {&PairMessages::left, &PairMessages::right}) {
+      expect_refused(
+          [&](PairMessages& p) {
+            (p.*side).encoding = encoding;
+            (p.*side).step = 35791395;  // 120 rows are 104 bytes in 32 bits
+            (p.*side).data.resize(104);
+          },
+          &StereoStatus::dropped_encoding, StereoStatus::BAD_IMAGE,
+          "the data must have 4294967400 bytes");
+    }
+  }
+}
+
+TEST_F(Trouble, SizeThatOverflows32BitsWhereImagesArePassedOn) {
+  const Listener<sensor_msgs::Image> mono(rig_.nh(), "left/image_mono");
+  const Listener<sensor_msgs::Image> color(rig_.nh(), "left/image_color");
+  ASSERT_TRUE(rig_.node_listens());
+  expect_refused(
+      [](PairMessages& p) {
+        p.left.step = 35791395;
+        p.left.data.resize(104);
+      },
+      &StereoStatus::dropped_encoding, StereoStatus::BAD_IMAGE,
+      "the data must have 4294967400 bytes");
+  EXPECT_EQ(mono.count(), 1U) << "only the good image";
+  EXPECT_EQ(color.count(), 1U);
+}
+
+TEST_F(Trouble, CameraInfoThatNoCameraHas) {
+  expect_refused([](PairMessages& p) { p.left_info.width = 4294967295; },
+                 &StereoStatus::dropped_calibration, StereoStatus::BAD_CALIBRATION,
+                 "left camera_info width = 4294967295: allowed are 0 to 65535");
+  expect_refused([](PairMessages& p) { p.right_info.D.assign(1000000, 0); },
+                 &StereoStatus::dropped_calibration, StereoStatus::BAD_CALIBRATION,
+                 "right camera_info D has 1000000 values: allowed are up to 14");
+}
+
 TEST_F(Trouble, StepBelowTheWidth) {
   expect_refused([](PairMessages& p) { p.left.step = 10; }, &StereoStatus::dropped_encoding,
                  StereoStatus::BAD_IMAGE, "step 10");

@@ -81,8 +81,8 @@ TEST_F(BoardTest, CaptureEqualsMatch) {
 
   // All files of all streams equal the pipeline.
   const auto rectification =
-      make_stereo_rectification(to_calibration(distorted_cameras(kSize).left),
-                                to_calibration(distorted_cameras(kSize).right), 1);
+      make_stereo_rectification(*to_calibration(distorted_cameras(kSize).left, "left"),
+                                *to_calibration(distorted_cameras(kSize).right, "right"), 1);
   ASSERT_TRUE(rectification);
   ReferencePipeline pipeline;
   Parameters parameters;

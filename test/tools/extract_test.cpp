@@ -149,6 +149,39 @@ TEST_F(Extract, RefusesLossyConversions) {
   expect_refused({at("in.bag"), "32FC1"});
 }
 
+TEST_F(Extract, RefusesImagesWhoseFieldsDoNotDescribeTheirData) {
+  const std::string fields =
+      "160x120, step 35791395, 104 bytes: the data must have 4294967400 bytes";
+  const auto damage = [](sensor_msgs::Image& image) {
+    image.step = 35791395;  // 120 rows are 104 bytes in 32 bits
+    image.data.resize(104);
+  };
+  const cv::Mat1b grey(120, 160, std::uint8_t{9});
+  auto image = to_image(grey, header(1));
+  stereo_msgs::DisparityImage disparity;
+  disparity.header = header(1);
+  disparity.image = *to_image(cv::Mat1f(grey), header(1));
+  {
+    rosbag::Bag bag(at("in.bag"), rosbag::bagmode::Write);
+    bag.write("/stereo/right/image_raw", header(1).stamp, image);
+    damage(*image);
+    bag.write("/stereo/left/image_raw", header(1).stamp, image);
+  }
+  expect_refused(
+      {"/stereo/left/image_raw of 1.000000000: the image with encoding \"mono8\", " + fields});
+  {
+    rosbag::Bag bag(at("in.bag"), rosbag::bagmode::Write);
+    image = to_image(grey, header(1));
+    bag.write("/stereo/left/image_raw", header(1).stamp, image);
+    bag.write("/stereo/right/image_raw", header(1).stamp, image);
+    disparity.image.data.resize(disparity.image.data.size() - 1);
+    bag.write("/stereo/disparity", header(1).stamp, disparity);
+  }
+  expect_refused(
+      {"/stereo/disparity of 1.000000000: disparity image with encoding \"32FC1\", "
+       "160x120, step 640, 76799 bytes: the data must have 76800 bytes"});
+}
+
 TEST_F(Extract, RefusesInvalidBags) {
   expect_refused({at("in.bag")});  // missing
   write_text("in.bag", "no bag at all");

@@ -138,7 +138,7 @@ TEST_F(Match, RectifiesWithCameraInfo) {
   const InfoPair infos = distorted_cameras(kSize);
   for (const int min_disparity : {0, 4}) {
     const auto rectification = make_stereo_rectification(
-        to_calibration(infos.left), to_calibration(infos.right), min_disparity);
+        *to_calibration(infos.left, "left"), *to_calibration(infos.right, "right"), min_disparity);
     ASSERT_TRUE(rectification) << rectification.error().message;
     const Outcome run =
         match({left_, right_, at("out.png"), "--left-info", write_info("left.yaml", infos.left),

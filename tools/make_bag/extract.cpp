@@ -1,5 +1,4 @@
 // make_bag extract: writes images, calibration and disparities of a bag to files.
-#include <cv_bridge/cv_bridge.h>
 #include <fmt/format.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
@@ -14,8 +13,11 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "core/printable.hpp"
 #include "make_bag/camera_info_files.hpp"
 #include "make_bag/modes.hpp"
+#include "ros/conversions.hpp"
+#include "ros/image_pixels.hpp"
 #include "support/files.hpp"
 
 namespace fpga_stereo::tools {
@@ -44,15 +46,17 @@ std::string to_text(const ros::Time& stamp) {
 }
 
 /// Returns an image for cv::imwrite. Throws if the conversion would lose data.
-cv::Mat to_picture(const sensor_msgs::ImageConstPtr& message) {
-  const std::string& encoding = message->encoding;
+cv::Mat to_picture(const sensor_msgs::Image& message) {
+  const std::string& encoding = message.encoding;
   const bool known = encoding == enc::TYPE_8UC1 || encoding == enc::TYPE_8UC3 ||
                      encoding == enc::TYPE_16UC1 || enc::isMono(encoding) ||
                      enc::isColor(encoding) || enc::isBayer(encoding);
   if (!known)
-    throw std::runtime_error("encoding \"" + encoding + "\": allowed mono, bgr, rgb, " +
+    throw std::runtime_error("encoding \"" + printable(encoding) + "\": allowed mono, bgr, rgb, " +
                              "bgra, rgba and bayer of 8 or 16 bits");
-  cv::Mat image = cv_bridge::toCvShare(message)->image;
+  const Result<cv::Mat> pixels = pixels_of(message, "the");
+  require(pixels);
+  cv::Mat image = *pixels;
   if (encoding == enc::RGB8 || encoding == enc::RGB16) {
     cv::cvtColor(image, image, cv::COLOR_RGB2BGR);
   } else if (encoding == enc::RGBA8 || encoding == enc::RGBA16) {
@@ -61,14 +65,16 @@ cv::Mat to_picture(const sensor_msgs::ImageConstPtr& message) {
   return image;
 }
 
-cv::Mat1f to_disparities(const stereo_msgs::DisparityImage& message) {
-  const auto image = cv_bridge::toCvCopy(message.image, enc::TYPE_32FC1)->image;
-  cv::Mat1f disparity = image;
+/// Returns the disparities in px, infinite where there is none.
+cv::Mat1f to_values(const stereo_msgs::DisparityImage& message) {
+  const Result<cv::Mat1f> disparities = to_disparities(message);
+  require(disparities);
+  cv::Mat1f values = disparities->clone();
   // Values below min_disparity mark invalid pixels.
-  for (float& value : disparity) {
+  for (float& value : values) {
     if (!(value >= message.min_disparity)) value = std::numeric_limits<float>::infinity();
   }
-  return disparity;
+  return values;
 }
 
 /// Extracts one camera of a bag to a folder.
@@ -99,9 +105,8 @@ class Extraction {
       write_info(side);
     }
     if (disparities.empty()) return;
-    write<stereo_msgs::DisparityImage>(
-        topic("disparity"), "disparity", ".pfm",
-        [](const auto& message) { return to_disparities(*message); });
+    write<stereo_msgs::DisparityImage>(topic("disparity"), "disparity", ".pfm",
+                                       [](const auto& message) { return to_values(message); });
   }
 
  private:
@@ -155,12 +160,14 @@ class Extraction {
       std::ostringstream path;
       path << folder_ << "/" << subfolder << "/" << std::setw(6) << std::setfill('0')
            << number->second << extension;
+      cv::Mat picture;
       try {
-        write_image(path.str(), convert(message));
-      } catch (const cv_bridge::Exception& e) {
+        picture = convert(*message);
+      } catch (const std::exception& e) {
         throw std::runtime_error(
             fmt::format("{} of {}: {}", name, to_text(message->header.stamp), e.what()));
       }
+      write_image(path.str(), picture);
       progress.done(path.str());
     }
   }

@@ -84,7 +84,9 @@ CameraCalibration read(const po::variables_map& options, const std::string& side
     require(resolved);
     path = *resolved;
   }
-  return to_calibration(read_camera_info_message(path));
+  const auto calibration = to_calibration(read_camera_info_message(path), side);
+  require(calibration);
+  return *calibration;
 }
 
 double baseline(const po::variables_map& options, const std::string& name) {

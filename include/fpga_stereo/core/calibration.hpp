@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <opencv2/core.hpp>
@@ -12,6 +13,9 @@
 #include "fpga_stereo/core/result.hpp"
 
 namespace fpga_stereo {
+
+constexpr int kMaxCalibratedSide = 65535;               // px, of the image that was calibrated
+constexpr std::size_t kMaxDistortionCoefficients = 14;  // of OpenCV's largest distortion model
 
 /// The calibration of one camera. Fields mean the same as in sensor_msgs/CameraInfo.
 struct CameraCalibration {
