@@ -17,7 +17,7 @@ ArrivalLog::ArrivalLog(std::vector<Topic> topics, const SyncSettings& settings, 
 
 void ArrivalLog::start(std::set<std::size_t> subscribed, bool needs_sets) {
   const MutexLock lock(mutex_);
-  drop_unpaired();
+  drop_unpaired(DropCause::kUnwanted);
   subscribed_ = std::move(subscribed);
   needs_sets_ = needs_sets;
   started_ = last_set_ = ros::WallTime::now();
@@ -26,26 +26,31 @@ void ArrivalLog::start(std::set<std::size_t> subscribed, bool needs_sets) {
 
 void ArrivalLog::stop() {
   const MutexLock lock(mutex_);
-  drop_unpaired();
+  drop_unpaired(DropCause::kUnwanted);
   subscribed_.clear();
 }
 
-void ArrivalLog::drop_unpaired() {
-  health_.dropped(DropCause::kUnwanted, unpaired_.size());
+void ArrivalLog::drop_unpaired(DropCause cause) {
+  health_.dropped(cause, unpaired_.size());
   unpaired_.clear();
 }
 
-void ArrivalLog::arrived(std::size_t topic, const ros::Time& stamp) {
+std::optional<std::string> ArrivalLog::arrived(std::size_t topic, const ros::Time& stamp) {
   const MutexLock lock(mutex_);
   arrivals_[topic] = {ros::WallTime::now(), stamp};
-  if (topic != 0 || !needs_sets_) return;
+  if (topic != 0 || !needs_sets_) return std::nullopt;
   health_.received();
+  std::optional<ros::Time> simulated_now;
+  if (ros::Time::isSimTime()) simulated_now = ros::Time::now();
+  auto rewind = rewinds_.note(stamp, simulated_now);
+  if (rewind) drop_unpaired(DropCause::kUnsynchronized);
   const bool is_duplicate = !unpaired_.insert(stamp).second;
   if (is_duplicate) health_.dropped(DropCause::kUnsynchronized);
   if (unpaired_.size() > static_cast<std::size_t>(settings_.queue_size)) {
     unpaired_.erase(unpaired_.begin());
     health_.dropped(DropCause::kUnsynchronized);
   }
+  return rewind;
 }
 
 bool ArrivalLog::completed(const ros::Time& stamp) {

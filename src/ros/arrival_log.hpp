@@ -11,6 +11,7 @@
 
 #include "core/thread_safety.hpp"
 #include "ros/health.hpp"
+#include "ros/rewind_detector.hpp"
 #include "ros/settings.hpp"
 
 namespace fpga_stereo {
@@ -33,7 +34,10 @@ class ArrivalLog {
   /// Ends; messages without partners count as unwanted.
   void stop() FPGA_STEREO_EXCLUDES(mutex_);
 
-  void arrived(std::size_t topic, const ros::Time& stamp) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Notes a message. If the first topic shows that time has moved back, drops all messages that
+  /// wait for partners and returns what moved back, for the log: the caller starts over, too.
+  std::optional<std::string> arrived(std::size_t topic, const ros::Time& stamp)
+      FPGA_STEREO_EXCLUDES(mutex_);
   /// Notes that the message of the first topic with this stamp has found its partners. Returns
   /// false if the message is counted as dropped already.
   bool completed(const ros::Time& stamp) FPGA_STEREO_EXCLUDES(mutex_);
@@ -48,7 +52,7 @@ class ArrivalLog {
     ros::Time stamp;
   };
 
-  void drop_unpaired() FPGA_STEREO_REQUIRES(mutex_);
+  void drop_unpaired(DropCause cause) FPGA_STEREO_REQUIRES(mutex_);
   StateReport silent_topics(const std::vector<std::size_t>& silent) const;
   StateReport stamps_differ(const std::vector<Arrival>& arrivals) const;
 
@@ -63,6 +67,7 @@ class ArrivalLog {
   ros::WallTime last_set_ FPGA_STEREO_GUARDED_BY(mutex_);
   std::vector<Arrival> arrivals_ FPGA_STEREO_GUARDED_BY(mutex_);  // by topic
   std::set<ros::Time> unpaired_ FPGA_STEREO_GUARDED_BY(mutex_);   // stamps of the first topic
+  RewindDetector rewinds_ FPGA_STEREO_GUARDED_BY(mutex_);         // of the first topic
 };
 
 }  // namespace fpga_stereo

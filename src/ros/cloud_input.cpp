@@ -24,9 +24,11 @@ std::vector<ArrivalLog::Topic> logged_topics(const ros::NodeHandle& nh) {
 }  // namespace
 
 CloudInput::CloudInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
-                       const SyncSettings& settings, Health& health, Callback callback)
+                       const SyncSettings& settings, Health& health, StampGate& gate,
+                       Callback callback)
     : nh_(nh),
       private_nh_(private_nh),
+      gate_(gate),
       callback_(std::move(callback)),
       log_(logged_topics(nh), settings, health),
       transport_(nh) {
@@ -35,17 +37,26 @@ CloudInput::CloudInput(const ros::NodeHandle& nh, const ros::NodeHandle& private
     subscriber.registerCallback(boost::function<void(const boost::shared_ptr<Message>&)>(
         [this, topic](const auto& m) { log_.arrived(topic, m->header.stamp); }));
   };
-  note(disparity_, kDisparity, stereo_msgs::DisparityImageConstPtr());
+  disparity_.registerCallback(boost::function<void(const ros::MessageEvent<const Disparity>&)>(
+      [this](const auto& event) { on_disparity(event); }));
   note(color_, kColor, sensor_msgs::ImageConstPtr());
   note(left_info_, kLeftInfo, sensor_msgs::CameraInfoConstPtr());
   note(right_info_, kRightInfo, sensor_msgs::CameraInfoConstPtr());
   // Registered last: a message is noted before the set that it completes.
-  sync_.emplace(settings, disparity_, color_, left_info_, right_info_,
+  sync_.emplace(settings, disparity_of_set_, color_, left_info_, right_info_,
                 [this](const auto& disparity, const auto& color, const auto& left_info,
                        const auto& right_info) {
                   if (!log_.completed(disparity->header.stamp)) return;
                   callback_({disparity, color, left_info, right_info});
                 });
+}
+
+void CloudInput::on_disparity(const ros::MessageEvent<const Disparity>& event) {
+  if (const auto rewind = log_.arrived(kDisparity, event.getConstMessage()->header.stamp)) {
+    sync_->restart();
+    gate_.restart(*rewind);
+  }
+  disparity_of_set_.add(event);
 }
 
 void CloudInput::set_subscribed(bool is_subscribed) {

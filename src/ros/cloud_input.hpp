@@ -2,6 +2,7 @@
 #pragma once
 
 #include <image_transport/subscriber_filter.h>
+#include <message_filters/pass_through.h>
 #include <message_filters/subscriber.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -15,6 +16,7 @@
 #include "ros/health.hpp"
 #include "ros/message_sync.hpp"
 #include "ros/settings.hpp"
+#include "ros/stamp_gate.hpp"
 
 namespace fpga_stereo {
 
@@ -30,9 +32,9 @@ class CloudInput {
  public:
   using Callback = std::function<void(const CloudMessages&)>;
 
-  /// `health` must outlive the input.
+  /// `health` and `gate` must outlive the input, which restarts the gate if time moves back.
   CloudInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
-             const SyncSettings& settings, Health& health, Callback callback);
+             const SyncSettings& settings, Health& health, StampGate& gate, Callback callback);
   ~CloudInput() { set_subscribed(false); }
   CloudInput(const CloudInput&) = delete;
   CloudInput& operator=(const CloudInput&) = delete;
@@ -47,7 +49,10 @@ class CloudInput {
   using Info = sensor_msgs::CameraInfo;
   using Disparity = stereo_msgs::DisparityImage;
 
+  void on_disparity(const ros::MessageEvent<const Disparity>& event);
+
   ros::NodeHandle nh_, private_nh_;
+  StampGate& gate_;
   const Callback callback_;
   ArrivalLog log_;
   bool is_subscribed_ = false;
@@ -56,6 +61,7 @@ class CloudInput {
   message_filters::Subscriber<Disparity> disparity_;
   image_transport::SubscriberFilter color_;
   message_filters::Subscriber<Info> left_info_, right_info_;
+  message_filters::PassThrough<Disparity> disparity_of_set_;
   std::optional<MessageSync<Disparity, Image, Info, Info>> sync_;
 };
 

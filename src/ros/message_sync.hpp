@@ -31,21 +31,36 @@ class MessageSync {
     using boost::placeholders::_4;
     const auto bound = boost::bind(callback, _1, _2, _3, _4);
     const auto queue = static_cast<std::uint32_t>(settings.queue_size);
-    if (settings.approximate_sync) {
-      approximate_ = std::make_unique<message_filters::Synchronizer<Approximate>>(
-          Approximate(queue), a, b, c, d);
-      approximate_->setMaxIntervalDuration(ros::Duration(settings.sync_tolerance));
-      approximate_->registerCallback(bound);
-    } else {
-      exact_ = std::make_unique<message_filters::Synchronizer<Exact>>(Exact(queue), a, b, c, d);
-      exact_->registerCallback(bound);
-    }
+    connect_ = [this, settings, queue, bound, &a, &b, &c, &d] {
+      if (settings.approximate_sync) {
+        approximate_ = std::make_unique<message_filters::Synchronizer<Approximate>>(
+            Approximate(queue), a, b, c, d);
+        approximate_->setMaxIntervalDuration(ros::Duration(settings.sync_tolerance));
+        approximate_->registerCallback(bound);
+      } else {
+        exact_ = std::make_unique<message_filters::Synchronizer<Exact>>(Exact(queue), a, b, c, d);
+        exact_->registerCallback(bound);
+      }
+    };
+    connect_();
+  }
+  MessageSync(const MessageSync&) = delete;
+  MessageSync& operator=(const MessageSync&) = delete;
+
+  /// Forgets the messages that wait for others. Not from a callback of one of the four filters,
+  /// which holds a lock that this needs.
+  void restart() {
+    // The queues of message_filters cannot be emptied otherwise.
+    approximate_.reset();
+    exact_.reset();
+    connect_();
   }
 
  private:
   using Exact = message_filters::sync_policies::ExactTime<A, B, C, D>;
   using Approximate = message_filters::sync_policies::ApproximateTime<A, B, C, D>;
 
+  std::function<void()> connect_;  // makes the synchronizer of the settings
   std::unique_ptr<message_filters::Synchronizer<Exact>> exact_;
   std::unique_ptr<message_filters::Synchronizer<Approximate>> approximate_;
 };

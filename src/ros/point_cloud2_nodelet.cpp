@@ -72,7 +72,7 @@ void PointCloud2Nodelet::onInit() {
   output_ = CloudOutput(nh, [this] { on_demand_change(); });
   {
     const MutexLock lock(mutex_);
-    input_ = std::make_unique<CloudInput>(nh, private_nh, sync, health_,
+    input_ = std::make_unique<CloudInput>(nh, private_nh, sync, health_, gate_,
                                           [this](const CloudMessages& m) { on_messages(m); });
   }
   on_demand_change();

@@ -1,6 +1,9 @@
 #include "ros/stamp_gate.hpp"
 
 #include <fmt/format.h>
+#include <ros/console.h>
+
+#include <optional>
 
 namespace fpga_stereo {
 
@@ -12,19 +15,24 @@ Result<std::uint64_t> StampGate::accept(const ros::Time& stamp) {
                  "publish /clock)"};
   }
   if (stamp <= last_accepted_) {
-    const bool rises = rising_refusals_ > 0 && stamp > last_refused_;
-    rising_refusals_ = rises ? rising_refusals_ + 1 : 1;
-    last_refused_ = stamp;
-    if (rising_refusals_ < kRestartAfter) {
-      return Error{ErrorKind::kInvalid,
-                   fmt::format("its stamp {:.3f} is not later than {:.3f}, the stamp of the "
-                               "previous pair",
-                               stamp.toSec(), last_accepted_.toSec())};
-    }
+    return Error{ErrorKind::kInvalid,
+                 fmt::format("its stamp {:.3f} is not later than {:.3f}, the stamp of the previous "
+                             "pair",
+                             stamp.toSec(), last_accepted_.toSec())};
   }
   last_accepted_ = stamp;
-  rising_refusals_ = 0;
   return ++count_;
+}
+
+void StampGate::restart(const std::string& why) {
+  std::optional<std::uint64_t> kept_back;
+  {
+    const MutexLock lock(mutex_);
+    last_accepted_ = {};
+    kept_back = log_.admit("restart");
+  }
+  if (!kept_back) return;
+  ROS_INFO_STREAM_NAMED("stereo", with_kept_back("time starts over: " + why, *kept_back));
 }
 
 }  // namespace fpga_stereo

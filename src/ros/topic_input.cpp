@@ -101,7 +101,10 @@ void TopicInput::on_image(Topic topic, const Event& event) {
   const sensor_msgs::ImageConstPtr& image = event.getConstMessage();
   const Demand demand = this->demand();
   // Noted before the pair that it completes.
-  log_.arrived(topic, image->header.stamp);
+  if (const auto rewind = log_.arrived(topic, image->header.stamp)) {
+    sync_.restart();
+    gate_.restart(*rewind);
+  }
   if (!demand.needs_pairs()) {
     if (demand.of(side).any_raw()) pass_on(side, image);
     return;

@@ -11,7 +11,6 @@
 #include <sstream>
 
 #include "ros/board_settings.hpp"
-#include "ros/stamp_gate.hpp"
 
 namespace fpga_stereo::test {
 namespace {
@@ -267,38 +266,6 @@ TEST(Settings, EveryValueReachesItsSetting) {
   EXPECT_EQ(s.cloud_max_rate, 7.5);
   EXPECT_EQ(s.depth_encoding, DepthEncoding::kMillimetres);
   EXPECT_EQ(s.num_threads, 3);
-}
-
-TEST(StampGate, NumbersPairsWithRisingStamps) {
-  StampGate gate;
-  EXPECT_EQ(*gate.accept(ros::Time(10, 0)), 1U);
-  EXPECT_EQ(*gate.accept(ros::Time(10, 1)), 2U);
-  EXPECT_EQ(*gate.accept(ros::Time(1000)), 3U);
-}
-
-TEST(StampGate, RefusesZeroDuplicatesAndLatePairs) {
-  StampGate gate;
-  EXPECT_FALSE(gate.accept(ros::Time(0)));
-  EXPECT_TRUE(gate.accept(ros::Time(10)));
-  EXPECT_EQ(gate.accept(ros::Time(10)).error().message,
-            "its stamp 10.000 is not later than 10.000, the stamp of the previous pair");
-  EXPECT_FALSE(gate.accept(ros::Time(9)));
-  EXPECT_TRUE(gate.accept(ros::Time(11)));
-}
-
-TEST(StampGate, TheSameLatePairAgainIsNoNewStart) {
-  StampGate gate;
-  EXPECT_TRUE(gate.accept(ros::Time(10)));
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(gate.accept(ros::Time(9)));
-}
-
-TEST(StampGate, LatePairsWithRisingStampsAreANewStart) {
-  StampGate gate;
-  EXPECT_EQ(*gate.accept(ros::Time(100)), 1U);
-  EXPECT_FALSE(gate.accept(ros::Time(1)));
-  EXPECT_FALSE(gate.accept(ros::Time(2)));
-  EXPECT_EQ(*gate.accept(ros::Time(3)), 2U) << "numbers rise although time went back";
-  EXPECT_EQ(*gate.accept(ros::Time(4)), 3U);
 }
 
 }  // namespace
