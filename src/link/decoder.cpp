@@ -17,6 +17,8 @@ const std::array<std::uint8_t, 4> kSyncBytes = [] {
 void Decoder::push(const std::uint8_t* bytes, std::size_t size) {
   // Moves less than a packet if the caller has taken all packets.
   bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(at_));
+  damaged_crc_.remove(at_);
+  damaged_end_ -= std::min(damaged_end_, at_);
   at_ = 0;
   bytes_.insert(bytes_.end(), bytes, bytes + size);
   counters_.bytes += size;
@@ -49,6 +51,16 @@ void Decoder::count_lost(std::uint32_t sequence) {
   expected_ = sequence + 1;
 }
 
+bool Decoder::is_intact(const Header& header) {
+  const std::uint8_t* packet = bytes_.data() + at_;
+  const std::size_t begin = at_ + kLinkHeaderCrcAt, end = at_ + kHeaderBytes + header.length;
+  const std::uint32_t crc = at_ < damaged_end_ ? damaged_crc_.of(bytes_.data(), begin, end)
+                                               : payload_crc(packet, header.length);
+  if (crc == get_u32(bytes_.data() + end)) return true;
+  damaged_end_ = std::max(damaged_end_, end);
+  return false;
+}
+
 std::optional<Packet> Decoder::next() {
   while (find_sync()) {
     const std::uint8_t* bytes = bytes_.data() + at_;
@@ -60,8 +72,7 @@ std::optional<Packet> Decoder::next() {
     }
     const std::size_t size = kHeaderBytes + header->length + kCrcBytes;
     if (left() < size) return std::nullopt;
-    const std::uint8_t* payload = bytes + kHeaderBytes;
-    if (get_u32(payload + header->length) != payload_crc(bytes, header->length)) {
+    if (!is_intact(*header)) {
       ++counters_.bad_payloads;
       skip(1);
       continue;
@@ -69,7 +80,7 @@ std::optional<Packet> Decoder::next() {
     at_ += size;
     ++counters_.packets;
     count_lost(header->sequence);
-    return Packet{*header, payload};
+    return Packet{*header, bytes + kHeaderBytes};
   }
   return std::nullopt;
 }
@@ -81,7 +92,8 @@ void Decoder::discard_partial_packet() {
 
 void Decoder::reset() {
   bytes_.clear();
-  at_ = 0;
+  at_ = damaged_end_ = 0;
+  damaged_crc_.clear();
   expected_.reset();
 }
 

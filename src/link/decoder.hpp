@@ -10,6 +10,7 @@
 
 #include "fpga_stereo/link/counters.hpp"
 #include "link/packet.hpp"
+#include "link/range_crc.hpp"
 
 namespace fpga_stereo::link {
 
@@ -44,10 +45,16 @@ class Decoder {
   /// Skips to the next sync word, or to the start of one at the end of the bytes. Returns true if a
   /// whole header follows.
   bool find_sync();
+  /// Checks the payload of the packet at at_.
+  bool is_intact(const Header& header);
   void count_lost(std::uint32_t sequence);
 
   std::vector<std::uint8_t> bytes_;
-  std::size_t at_ = 0;                     // first byte that was not searched
+  std::size_t at_ = 0;  // first byte that was not searched
+  // Damaged packets are searched again, and packets in them may overlap: a device could make every
+  // byte count a thousand times. Up to here, CRCs come from damaged_crc_, which counts it once.
+  std::size_t damaged_end_ = 0;
+  RangeCrc damaged_crc_;
   std::optional<std::uint32_t> expected_;  // sequence number of the next packet
   DecoderCounters counters_;
 };

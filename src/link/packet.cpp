@@ -62,19 +62,22 @@ std::uint32_t payload_crc(const std::uint8_t* packet, std::size_t length) {
 
 std::optional<Header> unpack(const std::uint8_t* bytes) {
   if (get_u32(bytes + kLinkHeaderSyncAt) != kSync) return std::nullopt;
-  if (get_u32(bytes + kLinkHeaderCrcAt) != crc32c(bytes, kHeaderBytes - kCrcBytes))
+  // Before the CRC, which takes long: so sync words that follow each other cost little.
+  const std::uint16_t length = get_u16(bytes + kLinkHeaderLengthAt);
+  if (length > kMaxPayloadBytes || length % 4 != 0) return std::nullopt;
+  if (get_u32(bytes + kLinkHeaderCrcAt) != crc32c(bytes, kHeaderBytes - kCrcBytes)) {
     return std::nullopt;
+  }
   Header header;
   header.version = bytes[kLinkHeaderVersionAt];
   header.type = static_cast<PacketType>(bytes[kLinkHeaderTypeAt]);
   header.flags = bytes[kLinkHeaderFlagsAt];
   header.stream = static_cast<Stream>(bytes[kLinkHeaderStreamAt]);
-  header.length = get_u16(bytes + kLinkHeaderLengthAt);
+  header.length = length;
   header.index = get_u16(bytes + kLinkHeaderIndexAt);
   header.sequence = get_u32(bytes + kLinkHeaderSequenceAt);
   header.frame_id = get_u64(bytes + kLinkHeaderFrameIdAt);
   header.timestamp = get_u64(bytes + kLinkHeaderTimestampAt);
-  if (header.length > kMaxPayloadBytes || header.length % 4 != 0) return std::nullopt;
   return header;
 }
 

@@ -135,6 +135,27 @@ TEST(Decoder, DoesNotTakeAHeaderForAPayload) {
   EXPECT_EQ(decode(decoder, stream, 1000, random), std::vector<Bytes>{sent});
 }
 
+// Headers that claim the bytes of those after them: each is searched, none hides a packet.
+TEST(Decoder, FindsPacketsAmongOverlappingOnes) {
+  std::mt19937 random(5);
+  Bytes stream;
+  std::vector<Bytes> sent;
+  Header header;
+  header.length = link::kMaxPayloadBytes;
+  for (int i = 0; i < 2000; ++i) {
+    const auto claim = link::pack(header);
+    stream.insert(stream.end(), claim.begin(), claim.end());
+    if (i % 100 == 50) {
+      sent.push_back(
+          send(static_cast<std::uint32_t>(i), 4 * (random() % 80), random, stream).bytes);
+    }
+  }
+  for (const std::size_t piece : {512, 65536}) {
+    Decoder decoder;
+    EXPECT_EQ(decode(decoder, stream, piece, random), sent) << piece;
+  }
+}
+
 // After any damage the decoder finds the next intact packet, and never returns a damaged one.
 TEST(Decoder, RecoversFromAMillionDamages) {
   std::mt19937 random(4);
