@@ -53,6 +53,25 @@ std::vector<std::uint32_t> mesh_words(const Mesh& mesh) {
 
 int GatewareBuild::min_width() const { return std::max(kGatewareMinWidth, correlation_window + 1); }
 
+Status GatewareBuild::check() const {
+  constexpr int kMaxNodes = 1 << spec::kMeshAddressNode.bits;
+  const auto check = [](const char* name, int value, int min, int max) -> Status {
+    if (value >= min && value <= max) return {};
+    return Error{ErrorKind::kIncompatible,
+                 fmt::format("{} = {}: gatewares have {} to {}", name, value, min, max)};
+  };
+  const Status checks[]{
+      validate(parameters_of(*this)),
+      check("maximum image width", max_width, min_width(), kGatewareMaxWidth),
+      check("rows of a line buffer", line_rows, 1, kGatewareMaxHeight),
+      check("nodes of a mesh", mesh_nodes, 1, kMaxNodes),
+  };
+  for (const Status& status : checks) {
+    if (!status) return Error{ErrorKind::kIncompatible, status.error().message};
+  }
+  return {};
+}
+
 GatewareBuild GatewareBuild::from_registers(std::uint32_t build, std::uint32_t line_rows,
                                             std::uint32_t mesh_nodes) {
   Parameters parameters = window_parameters();
@@ -106,6 +125,7 @@ Status check_build(const GatewareBuild& build, const Parameters& p, const Stereo
   const cv::Size nodes = Mesh::node_count(size);
   const std::int64_t start = read_start(r);
   const Status checks[]{
+      validate(p),
       check_parameters(build, p),
       check_range("image width", size.width, build.min_width(), build.max_width),
       check_range("image height", size.height, 1, kGatewareMaxHeight),

@@ -203,7 +203,7 @@ void Configurator::write_streams() {
 Configurator::Progress Configurator::advance() {
   if (is_configuration_stale_ && desired_.keep_configuration) {
     is_configuration_stale_ = false;
-    tags_.bind(0, desired_.tag);
+    tags_.bind_any(desired_.tag);
   }
   if (is_configuration_stale_) {
     if (!desired_.configuration || !(desired_.configuration->build == identity_->build)) {

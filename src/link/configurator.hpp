@@ -27,7 +27,7 @@ class Configurator {
 
   /// `max_applies`: how often an apply may be sent, each of which may take effect.
   Configurator(RequestQueue& requests, int max_applies)
-      : requests_(requests), max_applies_(max_applies) {}
+      : requests_(requests), max_applies_(max_applies), tags_(max_applies) {}
   Configurator(const Configurator&) = delete;
   Configurator& operator=(const Configurator&) = delete;
 

@@ -12,7 +12,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kReadBytes = 1 << 20;
+// Bounds how long the session is locked, whatever the bytes are.
+constexpr std::size_t kReadBytes = 1 << 16;
 constexpr milliseconds kReadTimeout{5};  // bounds the delay of what others want to send
 // Short, because nothing is read meanwhile: USB buffers 100 ms.
 constexpr milliseconds kWriteTimeout{10};
@@ -214,7 +215,7 @@ Status DeviceThreads::write_some() {
     std::swap(out_, session_.outgoing());
   }
   if (written_ == out_.size()) return {};
-  const double began = options_.host_clock();
+  const Time began = Clock::now();
   const auto sent = transport_->write(&out_[written_], out_.size() - written_, kWriteTimeout);
   if (!sent) return sent.error();
   written_ += *sent;
@@ -223,18 +224,33 @@ Status DeviceThreads::write_some() {
   return {};
 }
 
+std::pair<Time, double> DeviceThreads::read_clocks() const {
+  // Read as one: a thread that loses the processor in between would see a step of the time of day.
+  constexpr int kTries = 5;
+  std::pair<Time, double> best;
+  auto shortest = Clock::duration::max();
+  for (int i = 0; i < kTries && shortest > std::chrono::microseconds(20); ++i) {
+    const Time before = Clock::now();
+    const double wall = options_.host_clock();
+    const auto taken = Clock::now() - before;
+    if (taken >= shortest) continue;
+    shortest = taken;
+    best = {before + taken / 2, wall};
+  }
+  return best;
+}
+
 Status DeviceThreads::exchange() {
   if (Status written = write_some(); !written) return written;
   const bool has_more = written_ < out_.size();
   const auto count =
       transport_->read(in_.data(), in_.size(), has_more ? Transport::Timeout{1} : kReadTimeout);
   if (!count) return count.error();
-  const auto now = Clock::now();
-  const double host = options_.host_clock();
+  const auto [now, wall] = read_clocks();
   const Transport::Counters counters = sum(closed_counters_, transport_->counters());
   const MutexLock lock(mutex_);
-  if (*count > 0) session_.receive(in_.data(), *count, now, host);
-  session_.tick(now, host);
+  if (*count > 0) session_.receive(in_.data(), *count, now, wall);
+  session_.tick(now, wall);
   transport_counters_ = counters;
   changed_.notify_all();
   return {};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/thread_safety.hpp"
@@ -45,6 +46,8 @@ class DeviceThreads {
   void wait_to_retry() FPGA_STEREO_EXCLUDES(mutex_);
   void close(LinkTrouble trouble, const std::string& why) FPGA_STEREO_EXCLUDES(mutex_);
   /// Moves bytes both ways, once. An error closes the transport.
+  /// Returns the steady clock's time and the time of day, s, at one moment.
+  std::pair<Time, double> read_clocks() const;
   Status exchange() FPGA_STEREO_EXCLUDES(mutex_);
   Status write_some() FPGA_STEREO_EXCLUDES(mutex_);
   void perform(WatchdogStep step) FPGA_STEREO_EXCLUDES(mutex_);

@@ -139,6 +139,8 @@ std::string AssembledFrame::text() const {
       return frame + " dropped: " + flag_names(flags);
     case Verdict::kBadSignature:
       return frame + " dropped: its signature does not match";
+    case Verdict::kBadStamp:
+      return frame + " dropped: its time stamp is impossible";
   }
   return frame;
 }
@@ -188,9 +190,6 @@ void FrameAssembler::begin(const Packet& packet, Frame& frame) {
   frame.assembled.timestamp = packet.header.timestamp;
   frame.assembled.configuration = leader->configuration;
   frame.assembled.height = leader->height;
-  const bool wide = leader->format == PixelFormat::kDisparity;
-  frame.assembled.image.create(leader->height, leader->columns(packet.header.stream),
-                               wide ? CV_16UC1 : CV_8UC1);
   frame.has_row.assign(leader->height, false);
 }
 
@@ -202,6 +201,10 @@ void FrameAssembler::take_rows(const Packet& packet, Frame& frame) {
     ++counters_.refused_packets;
     return;
   }
+  // Not earlier: leaders alone would have memory allocated at the rate at which they come.
+  const bool is_disparity = frame.leader.format == PixelFormat::kDisparity;
+  frame.assembled.image.create(frame.leader.height, frame.leader.columns(packet.header.stream),
+                               is_disparity ? CV_16UC1 : CV_8UC1);
   for (std::size_t i = 0; i < rows; ++i) {
     set_row(packet.payload + i * row_bytes, frame.assembled.image.row(static_cast<int>(first + i)));
     frame.has_row[first + i] = true;
@@ -223,7 +226,9 @@ void FrameAssembler::end(const Packet& packet, Frame& frame, std::vector<Assembl
         image_signature(assembled.image) == get_u32(packet.payload + kLinkTrailerSignatureAt);
     return finish(frame, same ? Verdict::kGood : Verdict::kBadSignature, out);
   }
-  if (!options_.keep_incomplete || assembled.stream != Stream::kDisparity) {
+  const bool is_kept = options_.keep_incomplete && assembled.stream == Stream::kDisparity &&
+                       2 * assembled.missing_rows <= assembled.height;
+  if (!is_kept) {
     return finish(frame, Verdict::kRowsMissing, out);
   }
   for (int y = 0; y < assembled.height; ++y) {

@@ -94,7 +94,9 @@ struct AssembledFrame {
 class FrameAssembler {
  public:
   struct Options {
-    /// Returns disparity frames that lack rows as kIncomplete; the missing rows hold no disparity.
+    /// Returns disparity frames that lack up to half of their rows as kIncomplete; the missing rows
+    /// hold no disparity. A frame that lacks more is dropped, so that the memory of frames stays in
+    /// proportion to the bytes received.
     bool keep_incomplete = false;
   };
   FrameAssembler() : FrameAssembler(Options{}) {}

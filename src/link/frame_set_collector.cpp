@@ -12,14 +12,15 @@ FrameSetCollector::Entry& FrameSetCollector::entry(std::uint64_t frame_id) {
   };
   auto at = std::find_if(entries_.begin(), entries_.end(), later);
   if (at == entries_.end() || at->set.frame_id != frame_id) {
-    at = entries_.insert(at, Entry{});
+    at = entries_.emplace(at);
     at->set.frame_id = frame_id;
   }
   return *at;
 }
 
-void FrameSetCollector::begin(Stream stream, std::uint64_t frame_id) {
+void FrameSetCollector::begin(Stream stream, std::uint64_t frame_id, std::vector<FrameSet>& out) {
   entry(frame_id).begun.insert(stream);
+  while (entries_.size() > kMaxInFlight) move_first(out);
 }
 
 void FrameSetCollector::add(AssembledFrame&& frame, StreamSet expected,
@@ -48,22 +49,23 @@ void FrameSetCollector::add(AssembledFrame&& frame, StreamSet expected,
 
   // Raw images accompany some pairs only: a set waits for them if they have begun.
   constexpr StreamSet kOptional{Stream::kRawLeft, Stream::kRawRight};
-  std::size_t complete = 0;
-  while (complete < entries_.size()) {
-    const Entry& first = entries_[complete];
+  while (!entries_.empty()) {
+    const Entry& first = entries_.front();
     const StreamSet required = expected - kOptional;
     const StreamSet wanted = (required.empty() ? expected : required) | first.begun;
-    if (!first.ended.contains_all(wanted) && entries_.size() - complete <= kMaxInFlight) break;
-    ++complete;
+    if (!first.ended.contains_all(wanted) && entries_.size() <= kMaxInFlight) break;
+    move_first(out);
   }
-  move_first(complete, out);
 }
 
-void FrameSetCollector::move_first(std::size_t count, std::vector<FrameSet>& out) {
-  for (std::size_t i = 0; i < count; ++i) out.push_back(std::move(entries_[i].set));
-  entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(count));
+void FrameSetCollector::move_first(std::vector<FrameSet>& out) {
+  Entry& first = entries_.front();
+  if (!first.ended.empty()) out.push_back(std::move(first.set));
+  entries_.pop_front();
 }
 
-void FrameSetCollector::reset(std::vector<FrameSet>& out) { move_first(entries_.size(), out); }
+void FrameSetCollector::reset(std::vector<FrameSet>& out) {
+  while (!entries_.empty()) move_first(out);
+}
 
 }  // namespace fpga_stereo::link

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <list>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,13 @@ namespace fpga_stereo::link {
 
 class FrameSetCollector {
  public:
-  /// Maximum frame sets in flight; beyond it the oldest is returned incomplete.
+  /// Maximum frame sets in flight; beyond it the oldest is returned incomplete, or forgotten if
+  /// none of its frames has ended.
   static constexpr std::size_t kMaxInFlight = 3;
 
-  /// Notes that a frame has begun: its set waits for the frame's end.
-  void begin(Stream stream, std::uint64_t frame_id);
+  /// Notes that a frame has begun: its set waits for the frame's end. Appends sets beyond the
+  /// maximum to `out`.
+  void begin(Stream stream, std::uint64_t frame_id, std::vector<FrameSet>& out);
   /// Adds a frame that has ended, good or dropped. Appends the sets that are complete to `out`, in
   /// the order of their frame_ids. A complete set has the `expected` streams and those that have
   /// begun.
@@ -32,9 +35,9 @@ class FrameSetCollector {
   };
   /// Returns the entry of a frame_id; creates a missing one.
   Entry& entry(std::uint64_t frame_id);
-  void move_first(std::size_t count, std::vector<FrameSet>& out);
+  void move_first(std::vector<FrameSet>& out);
 
-  std::vector<Entry> entries_;  // in the order of frame_id
+  std::list<Entry> entries_;  // in the order of frame_id
 };
 
 }  // namespace fpga_stereo::link

@@ -57,6 +57,11 @@ Status Identity::check() const {
                              "this software for {}: {}",
                              hex(spec_hash), hex(kSpecHash), kFlash)};
   }
+  if (const Status possible = build.check(); !possible) {
+    return Error{ErrorKind::kIncompatible,
+                 fmt::format("the board claims an impossible build: {}: {}",
+                             possible.error().message, kFlash)};
+  }
   return {};
 }
 

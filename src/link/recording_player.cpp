@@ -5,8 +5,7 @@
 
 #include "link/clock.hpp"
 #include "link/decoder.hpp"
-#include "link/frame_assembler.hpp"
-#include "link/frame_set_collector.hpp"
+#include "link/frame_set_builder.hpp"
 #include "link/recorded_board.hpp"
 #include "link/recording.hpp"
 #include "link/transport_name.hpp"
@@ -37,7 +36,7 @@ class Player : public RecordingPlayer {
   double speed() const override { return speed_; }
   std::string description() const override { return reader_.description(); }
   DecoderCounters decoder_counters() const override { return from_board_.counters(); }
-  FrameCounters frame_counters() const override { return assembler_.counters(); }
+  FrameCounters frame_counters() const override { return builder_.counters(); }
   Transport::Counters transport_counters() const override { return {bytes_in_, bytes_out_, 0}; }
 
  private:
@@ -45,7 +44,9 @@ class Player : public RecordingPlayer {
   void take_from_host();
   void take_from_board();
   void add_frame_packet(const Packet& packet);
-  /// Moves the frame sets that are complete to frames_; at the end, all.
+  /// Returns the streams that a complete frame set has.
+  StreamSet expected() const { return streams_ & board_.streams().value_or(streams_); }
+  /// Moves the frame sets that are complete to frames_.
   void collect(bool is_end);
 
   RecordReader reader_;
@@ -57,9 +58,7 @@ class Player : public RecordingPlayer {
   std::uint64_t bytes_in_ = 0, bytes_out_ = 0;
   Decoder from_board_, from_host_;
   RecordedBoard board_;
-  FrameAssembler assembler_;
-  FrameSetCollector collector_;
-  std::vector<AssembledFrame> assembled_;
+  FrameSetBuilder builder_;
   std::vector<FrameSet> sets_;
   std::vector<Frames> frames_;
 };
@@ -72,6 +71,7 @@ Result<std::vector<RecordingPlayer::Frames>> Player::take(milliseconds timeout) 
         end_ = next.error();
         from_board_.discard_partial_packet();
         take_from_board();
+        builder_.end(sets_);
         collect(true);
         break;
       }
@@ -123,24 +123,15 @@ void Player::take_from_board() {
 void Player::add_frame_packet(const Packet& packet) {
   const Header& header = packet.header;
   if (static_cast<int>(header.stream) >= kNumStreams || !streams_.contains(header.stream)) return;
-  assembler_.add(packet, assembled_);
-  if (header.type == PacketType::kLeader &&
-      assembler_.frame_in_flight(header.stream) == header.frame_id) {
-    collector_.begin(header.stream, header.frame_id);
-  }
+  builder_.add(packet, expected(), sets_);
   collect(false);
 }
 
 void Player::collect(bool is_end) {
-  if (is_end) assembler_.reset(assembled_);
-  const StreamSet expected = streams_ & board_.streams().value_or(streams_);
-  for (AssembledFrame& frame : assembled_) collector_.add(std::move(frame), expected, sets_);
-  assembled_.clear();
-  if (is_end) collector_.reset(sets_);
   for (FrameSet& set : sets_) {
     // Where the recording breaks off, frames that had not begun are not lost. Without the host's
     // bytes, nobody knows which were to come.
-    const bool is_cut = is_end && board_.streams() && !has_all(set, expected);
+    const bool is_cut = is_end && board_.streams() && !has_all(set, expected());
     if (is_cut && set.dropped.empty()) continue;
     auto configuration = board_.configuration(set.configuration);
     frames_.push_back({std::move(set), std::move(configuration)});

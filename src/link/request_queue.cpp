@@ -3,6 +3,11 @@
 #include <utility>
 
 namespace fpga_stereo::link {
+namespace {
+
+constexpr std::uint64_t kSlowestLine = 1000;  // bytes per second: 9600 Bd
+
+}  // namespace
 
 void RequestQueue::push_back(Request request, OnAnswer on_answer) {
   requests_.push_back({std::move(request), std::move(on_answer), {}, {}});
@@ -24,22 +29,24 @@ void RequestQueue::clear(const Error& error) {
   }
 }
 
-bool RequestQueue::tick(Time now, double host) {
+bool RequestQueue::tick(Time now) {
   if (requests_.empty()) return true;
   if (!in_flight_) {
     if (now < requests_.front().not_before) return true;
-    in_flight_ = InFlight{++next_id_, 1, host, 0, {}};
+    in_flight_ = InFlight{};
+    in_flight_->id = ++next_id_;
+    in_flight_->sent = now;
     ++sent_count_;
-    send();
+    send(now);
     return true;
   }
   if (now < in_flight_->deadline) return true;
-  if (in_flight_->tries < options_.tries) {
+  if (in_flight_->is_accepted && in_flight_->tries < options_.tries) {
     // The id stays: an answer to either copy is the answer.
     ++in_flight_->tries;
     ++retry_count_;
-    in_flight_->sent = host - 1;
-    send();
+    in_flight_->sent.reset();
+    send(now);
     return true;
   }
   const Entry entry = std::move(requests_.front());
@@ -49,22 +56,23 @@ bool RequestQueue::tick(Time now, double host) {
   return false;
 }
 
-void RequestQueue::send() {
+void RequestQueue::send(Time now) {
   const Request& request = requests_.front().request;
   Header header;
   header.type = request.type;
   header.index = in_flight_->id;
   outbox_.add_packet(header, request.payload);
   in_flight_->end = outbox_.queued();
-  in_flight_->deadline = Time::max();
+  in_flight_->is_accepted = false;
+  const std::uint64_t ahead = outbox_.queued() - outbox_.sent();
+  in_flight_->deadline = now + options_.accept + std::chrono::seconds(ahead / kSlowestLine);
 }
 
-void RequestQueue::on_sent(Time now, double host) {
-  if (!in_flight_ || in_flight_->deadline != Time::max() || outbox_.sent() < in_flight_->end) {
-    return;
-  }
+void RequestQueue::on_sent(Time now, Time began) {
+  if (!in_flight_ || in_flight_->is_accepted || outbox_.sent() < in_flight_->end) return;
+  in_flight_->is_accepted = true;
   in_flight_->deadline = now + options_.answer;
-  if (in_flight_->tries == 1) in_flight_->sent = host;
+  if (in_flight_->tries == 1) in_flight_->sent = began;
 }
 
 /// Returns nullopt if the packet does not fit the request in flight.

@@ -42,20 +42,21 @@ class RequestQueue {
   /// Drops all requests. User requests receive `error`.
   void clear(const Error& error);
 
-  /// Sends what is due. `host`: s, the host's time of day. Returns false if the request in flight
-  /// has used up its tries; it is dropped then, and a user request receives kTimeout.
-  [[nodiscard]] bool tick(Time now, double host);
+  /// Sends what is due. Returns false if the request in flight has used up its tries, or the
+  /// transport does not accept it in time; it is dropped then, and a user request receives
+  /// kTimeout.
+  [[nodiscard]] bool tick(Time now);
   /// Starts the timeout of the request in flight once the transport has accepted all of its bytes.
-  /// `host`: s, when the transport began to accept them. Call after Outbox::mark_sent().
-  void on_sent(Time now, double host);
+  /// `began`: when the transport began to accept them. Call after Outbox::mark_sent().
+  void on_sent(Time now, Time began);
 
   /// Returns true if the packet answers the request in flight; otherwise it is a late answer.
   bool is_answer(const Packet& packet) const {
     return in_flight_ && packet.header.index == in_flight_->id;
   }
-  /// Returns when the request in flight was sent, s, host; for TimeSync. A retried request gives a
-  /// time that TimeSync refuses, because nobody knows which copy was answered.
-  double sent_at() const { return in_flight_->sent; }
+  /// Returns when the request in flight was sent; nullopt for a request that was retried, because
+  /// nobody knows which copy is answered.
+  std::optional<Time> sent_at() const { return in_flight_->sent; }
   /// Finishes the request in flight with its answer and calls its callback. Returns the callback's
   /// error, or kIo if the board refused a request of the session. Ignores answers that do not fit
   /// the request: it will be retried.
@@ -72,13 +73,14 @@ class RequestQueue {
     Time not_before{};
   };
   struct InFlight {
-    std::uint16_t id;
-    int tries;
-    double sent;        // s, host
-    std::uint64_t end;  // Outbox::queued() after the request
-    Time deadline;      // of the answer; Time::max() until the transport has accepted the request
+    std::uint16_t id = 0;
+    int tries = 1;
+    std::optional<Time> sent;
+    std::uint64_t end = 0;     // Outbox::queued() after the request
+    bool is_accepted = false;  // by the transport, all of it
+    Time deadline{};           // of the answer; before, of the transport
   };
-  void send();
+  void send(Time now);
   std::optional<Result<Values>> unpack_answer(const Packet& packet) const;
 
   const SessionOptions options_;

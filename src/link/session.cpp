@@ -131,6 +131,7 @@ std::string Session::trouble_text() const {
       return "no configuration for the board's build has been given";
     case LinkTrouble::kSilent:
     case LinkTrouble::kStalled:
+    case LinkTrouble::kNoImages:
       return watchdog_.trouble().text;
     default:
       return "no board";
@@ -185,30 +186,37 @@ bool Session::send_pair(const cv::Mat1b& left, const cv::Mat1b& right, std::uint
   return true;
 }
 
-void Session::sent(std::size_t bytes, Time now, double host) {
+void Session::sent(std::size_t bytes, Time now, Time began) {
+  const bool had_pair = pair_end_ > outbox_->sent();
   outbox_->mark_sent(bytes);
-  requests_->on_sent(now, host);
+  if (had_pair && pair_end_ <= outbox_->sent()) watchdog_.on_pair_sent(now);
+  requests_->on_sent(now, began);
 }
 
 // Time.
 
-void Session::tick(Time now, double host) {
-  now_ = now;
-  host_ = host;
+int Session::frame_interval() const {
+  const DesiredState& desired = configurator_->desired();
+  constexpr StreamSet kRaw{Stream::kRawLeft, Stream::kRawRight};
+  const bool is_raw_only = (desired.streams - kRaw).empty();
+  return desired.frame_interval * (is_raw_only ? desired.raw_interval : 1);
+}
+
+void Session::tick(Time now, double wall) {
+  read_clocks(now, wall);
   if (state_ == LinkState::kClosed) return;
   if (now - last_byte_ > std::chrono::milliseconds(kHostSilenceMs)) {
     last_byte_ = now;
     decoder_.discard_partial_packet();
-    receive(nullptr, 0, now, host);
+    receive(nullptr, 0, now, wall);
   }
   advance();
   if (now >= next_poll_ && requests_->empty()) poll();
-  if (!requests_->tick(now, host)) {
+  if (!requests_->tick(now)) {
     step({LinkTrouble::kSilent, "the board does not answer"});
   }
   const bool is_streaming = state_ == LinkState::kStreaming;
-  const int interval = configurator_->desired().frame_interval;
-  if (const auto trouble = watchdog_.check(now, is_streaming, interval)) step(*trouble);
+  if (const auto trouble = watchdog_.check(now, is_streaming, frame_interval())) step(*trouble);
 }
 
 void Session::advance() {
@@ -216,7 +224,8 @@ void Session::advance() {
   if (!is_known || !requests_->empty()) return;
   switch (configurator_->advance()) {
     case Configurator::Progress::kStreams:
-      return watchdog_.on_streams_changed(now_, board_.frames_in);
+      return watchdog_.on_streams_changed(now_, board_.frames_in,
+                                          configurator_->desired().host_input);
     case Configurator::Progress::kWorking:
     case Configurator::Progress::kBlocked:
       return;

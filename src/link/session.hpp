@@ -46,15 +46,15 @@ class Session {
   /// Sets what the board should do. Frames of the old state may still arrive, with its tag.
   void set_desired_state(const DesiredState& desired);
 
-  /// Takes bytes that arrived. `host`: s, the host's time of day at which they did.
-  void receive(const std::uint8_t* bytes, std::size_t size, Time now, double host);
+  /// Takes bytes that arrived. `wall`: the host's time of day, s.
+  void receive(const std::uint8_t* bytes, std::size_t size, Time now, double wall);
   /// Advances time. Call at least every 20 ms.
-  void tick(Time now, double host);
+  void tick(Time now, double wall);
   /// Bytes to be sent. The caller takes them out and reports with sent() what the transport
   /// accepts.
   std::vector<std::uint8_t>& outgoing() { return outbox_->bytes(); }
-  /// Reports that the transport accepted this many more bytes. `host`: s, when it began to.
-  void sent(std::size_t bytes, Time now, double host);
+  /// Reports that the transport accepted this many more bytes. `began`: when it began to.
+  void sent(std::size_t bytes, Time now, Time began);
 
   /// Returns the step that the watchdog asks for, once.
   std::optional<WatchdogStep> take_step();
@@ -101,6 +101,9 @@ class Session {
   void count_up(const BoardCounters& now);
   void deliver();
   void flush();
+  void read_clocks(Time now, double wall);
+  /// Returns how many pairs the board takes for one frame set that it sends.
+  int frame_interval() const;
   Receiver::Context context() const;
 
   SessionOptions options_;
@@ -121,7 +124,7 @@ class Session {
   std::optional<WatchdogStep> step_;
   std::optional<std::uint64_t> board_time_;  // us: when the board sent its last answer
   std::uint64_t pair_end_ = 0;               // Outbox::queued() after the last pair
-  double host_ = 0;                          // s, the host's time of day at now_
+  HostClock host_;
   Time now_{}, last_byte_{}, next_poll_{}, next_retry_{};
 };
 

@@ -1,4 +1,7 @@
 // How a session handles what arrives: answers, polled counters, frames.
+#include <fmt/core.h>
+
+#include <cmath>
 #include <utility>
 
 #include "link/register_values.hpp"
@@ -23,9 +26,17 @@ constexpr PolledCounter kBoardCounters[]{{&BoardCounters::frames_in, spec::kRegF
 
 }  // namespace
 
-void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, double host) {
-  now_ = last_byte_ = now;
-  host_ = host;
+void Session::read_clocks(Time now, double wall) {
+  now_ = now;
+  const double step = host_.read(now, wall);
+  if (step == 0) return;
+  notes_.push_back(fmt::format("the system clock was set {} by {:.3f} s: stamps follow it",
+                               step > 0 ? "forward" : "back", std::abs(step)));
+}
+
+void Session::receive(const std::uint8_t* bytes, std::size_t size, Time now, double wall) {
+  read_clocks(now, wall);
+  last_byte_ = now;
   decoder_.push(bytes, size);
   while (const auto packet = decoder_.next()) take(*packet);
   deliver();
@@ -48,7 +59,7 @@ void Session::take(const Packet& packet) {
       // Until the board is configured, nobody knows what made a frame.
       if (configurator_->tags().empty() || packet.header.stream == Stream::kInput) return;
       watchdog_.on_frame_packet(now_);
-      return receiver_.add(packet);
+      return receiver_.add(packet, configurator_->desired().streams);
     default:
       return;
   }
@@ -67,7 +78,9 @@ void Session::take_answer(const Packet& packet) {
     if (state_ == LinkState::kRefused) failures_ = 0;  // the reset may have cured the board
     return fail(status.error());
   }
-  receiver_.add_round_trip(requests_->sent_at(), packet.header.timestamp, host_);
+  if (const auto sent = requests_->sent_at()) {
+    receiver_.add_round_trip(*sent, packet.header.timestamp, now_);
+  }
   const Status status = requests_->complete(packet, now_);
   if (!status) return fail(status.error());
   if (state_ == LinkState::kIdentifying && configurator_->is_identified()) {
@@ -121,12 +134,10 @@ void Session::count_up(const BoardCounters& now) {
   }
 }
 
-Receiver::Context Session::context() const {
-  return {configurator_->desired().streams, configurator_->tags(), host_};
-}
+Receiver::Context Session::context() const { return {configurator_->tags(), now_, host_}; }
 
 void Session::deliver() {
-  if (receiver_.deliver(context())) watchdog_.on_success();
+  if (receiver_.deliver(context())) watchdog_.on_good_frames(now_);
 }
 
 void Session::flush() {

@@ -1,6 +1,7 @@
 #include "link/time_sync.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace fpga_stereo::link {
 
@@ -17,12 +18,29 @@ bool TimeSync::add(double sent, std::uint64_t board_us, double received) {
     host_reference_ = sent + half;
   }
   const Sample sample{since_reference(board_us), sent + half - host_reference_};
-  if (!samples_.empty() && sample.board <= samples_.back().board) return false;
+  if (!samples_.empty()) {
+    const Sample& last = samples_.back();
+    if (sample.board <= last.board) return false;
+    const double passed = sample.host - last.host;
+    const double error = sample.host - (offset_ + slope_ * sample.board);
+    if (std::abs(error) > kMaxError + kMaxDrift * passed) {
+      restart();
+    } else {
+      strikes_ = std::max(strikes_ - 1, 0);
+    }
+  }
   samples_.push_back(sample);
   if (samples_.size() > kMaxSamples) samples_.pop_front();
   shortest_half_ = std::min(shortest_half_, half);
   fit();
   return true;
+}
+
+void TimeSync::restart() {
+  samples_.clear();
+  has_last_ = false;
+  ++steps_;
+  strikes_ = std::min(strikes_ + kStrikesOfStep, kMaxStrikes + kStrikesOfStep);
 }
 
 void TimeSync::fit() {

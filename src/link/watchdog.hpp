@@ -27,8 +27,13 @@ class Watchdog {
   void on_packet(Time now) { last_packet_ = now; }
   /// A packet of a frame arrived.
   void on_frame_packet(Time now);
-  /// Streams were switched on: frames are due from now on, for the pairs after `frames_in`.
-  void on_streams_changed(Time now, std::uint32_t frames_in);
+  /// Streams were switched on: frames are due from now on, for the pairs after `frames_in`. Frames
+  /// of pairs that the host sends are due only after on_pair_sent().
+  void on_streams_changed(Time now, std::uint32_t frames_in, bool are_pairs_sent);
+  /// The transport has accepted a pair of the host.
+  void on_pair_sent(Time now);
+  /// Good frames arrived: the link works.
+  void on_good_frames(Time now);
   /// The board's counter FRAMES_IN was polled.
   void on_poll(std::uint32_t frames_in, bool is_streaming);
   /// The link works: ends the trouble; the next step will be the mildest.
@@ -50,9 +55,16 @@ class Watchdog {
 
  private:
   bool is_stalled(Time now, int frame_interval) const;
+  bool is_missing(Time now, int frame_interval) const;
 
   SessionOptions options_;
   Time last_packet_{}, last_frame_{};
+  // Good frames.
+  bool are_pairs_sent_ = false;
+  std::optional<Time> due_since_;
+  Time last_good_{};
+  std::array<Clock::duration, 2> intervals_{};  // between the last ones
+  int missing_steps_ = 0;                       // taken since the last one
   Time next_check_{};
   bool has_frame_since_poll_ = false;
   std::uint32_t frames_in_ = 0;           // as last polled

@@ -77,6 +77,7 @@ std::optional<StateReport> link_trouble(const Device::Snapshot& device) {
     case LinkTrouble::kReopening:
     case LinkTrouble::kSilent:
     case LinkTrouble::kStalled:
+    case LinkTrouble::kNoImages:
       return report(NodeState::kBoardTrouble);
     default:
       return report(NodeState::kNoBoard);

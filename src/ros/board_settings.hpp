@@ -29,7 +29,7 @@ struct BoardSettings {
   double mid_exposure_ms = 0;    // from mid-exposure to the first pixel
   int frame_interval = 1;        // the board sends every n-th pair of its cameras
   int verify = 0;                // the software verifies every n-th frame; 0: none
-  bool keep_incomplete = false;  // publish frames with lost rows; their pixels are invalid
+  bool keep_incomplete = false;  // publish frames that lack up to half of their rows
 };
 
 /// True if the device is a recording of a link.

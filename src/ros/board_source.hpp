@@ -103,6 +103,8 @@ class BoardSource : public BoardInput {
   /// frame_id of the last set from the cameras; nullopt: none since streams were last switched on.
   std::optional<std::uint64_t> last_frame_ FPGA_STEREO_GUARDED_BY(mutex_);
 
+  std::uint64_t clock_steps_ = 0;  // of the last set; used by on_received() only
+
   link::Device device_;  // last: its threads use all of the above
 };
 

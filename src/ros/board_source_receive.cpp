@@ -71,6 +71,12 @@ void BoardSource::receive_host_pair(const Received& received) {
     return health_.refused(DropCause::kLink, usable.error().message);
   }
   const SourcePair& pair = returned->pair;
+  if (received.set.timestamp != static_cast<std::uint64_t>(pair.raw.stamp_ns / 1000)) {
+    return health_.refused(
+        DropCause::kLink,
+        fmt::format("board frame dropped: pair {} has another time stamp than the host's",
+                    received.set.frame_id));
+  }
   const auto frame =
       frame_of_host_pair(received, *context.planned, pair, context.settings, context.demand);
   if (!frame) return health_.refused(DropCause::kLink, frame.error().message);
@@ -92,6 +98,9 @@ void BoardSource::receive_camera_pair(const Received& received) {
   }
   const auto stamp = to_stamp(received.stamp);
   if (!stamp) return health_.refused(DropCause::kStamp, stamp.error().message);
+  if (std::exchange(clock_steps_, received.clock_steps) != received.clock_steps) {
+    gate_.restart("the system clock was set");
+  }
   const Result<std::uint64_t> number = gate_.accept(*stamp);
   if (!number) {
     return health_.refused(DropCause::kStamp, "board frame dropped: " + number.error().message);

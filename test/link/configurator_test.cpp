@@ -25,7 +25,7 @@ class ConfiguratorRig {
     for (int ms = 0; ms < 3000 && !queue.empty(); ++ms) {
       now_ += std::chrono::milliseconds(1);
       board.run(std::chrono::milliseconds(1));
-      if (!queue.tick(now_, 0)) return Error{ErrorKind::kTimeout, "no answer"};
+      if (!queue.tick(now_)) return Error{ErrorKind::kTimeout, "no answer"};
       auto bytes = std::exchange(outbox.bytes(), {});
       for (std::size_t at = 0; at < bytes.size();) {
         const auto header = link::unpack(&bytes[at]);
@@ -33,7 +33,7 @@ class ConfiguratorRig {
         at += link::kHeaderBytes + header->length + link::kCrcBytes;
       }
       outbox.mark_sent(bytes.size());
-      queue.on_sent(now_, 0);
+      queue.on_sent(now_, now_);
       board.receive(bytes.data(), bytes.size());
       std::vector<std::uint8_t> answer(1 << 16);
       answer.resize(board.transmit(answer.data(), answer.size()));

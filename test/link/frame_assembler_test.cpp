@@ -132,6 +132,11 @@ TEST(FrameAssembler, DropsOrMarksFramesThatLackRows) {
   EXPECT_TRUE(same("frame", expected, out[0].image));
   EXPECT_EQ(lenient.counters().incomplete, 1U);
 
+  // A frame of which little came would cost more memory than a device has sent.
+  auto little = packets(image, 9);
+  little.erase(little.begin() + 1, little.end() - 2);
+  EXPECT_EQ(assemble(lenient, little).at(0).verdict, Verdict::kRowsMissing);
+
   // A grey image cannot mark missing pixels.
   auto grey = packets(random_frame({20, 6}, CV_8UC1, 1), 8);
   grey.erase(grey.begin() + 1);

@@ -69,7 +69,7 @@ TEST(FrameSetCollector, WaitForRawImagesThatHaveBegun) {
   s.end(Stream::kRectifiedLeft, 1, kWithRaw);
   s.end(Stream::kDisparity, 1, kWithRaw);
   EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1})) << "no raw images accompany this pair";
-  s.sets.begin(Stream::kRawLeft, 2);
+  s.sets.begin(Stream::kRawLeft, 2, s.out);
   s.end(Stream::kRectifiedLeft, 2, kWithRaw);
   s.end(Stream::kDisparity, 2, kWithRaw);
   EXPECT_EQ(s.out.size(), 1U);
@@ -106,6 +106,15 @@ TEST(FrameSetCollector, DoNotWaitLongForALostFrame) {
   }
   EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{1, 2, 3, 4, 5}));
   EXPECT_TRUE(s.out[0].image(Stream::kDisparity).empty());
+}
+
+TEST(FrameSetCollector, KeepAFewWhateverBegins) {
+  Sets s;
+  s.end(Stream::kRectifiedLeft, 5000, kTwo);
+  for (std::uint64_t id = 4000; id > 0; --id) s.sets.begin(Stream::kDisparity, id, s.out);
+  EXPECT_TRUE(s.out.empty()) << "nothing of what was forgotten had ended";
+  s.sets.reset(s.out);
+  EXPECT_EQ(s.ids(), (std::vector<std::uint64_t>{5000}));
 }
 
 TEST(FrameSetCollector, DropImagesOfAnotherSize) {

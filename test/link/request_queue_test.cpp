@@ -21,7 +21,7 @@ class QueueRig {
   /// Lets time pass; returns what RequestQueue::tick() returns.
   bool run(int ms) {
     now_ += milliseconds(ms);
-    const bool is_alive = queue.tick(now_, host());
+    const bool is_alive = queue.tick(now_);
     take_bytes();
     return is_alive;
   }
@@ -31,7 +31,7 @@ class QueueRig {
     while (const auto packet = decoder_.next()) sent.push_back(packet->header);
     outbox.mark_sent(bytes.size());
     bytes.clear();
-    queue.on_sent(now_, host());
+    queue.on_sent(now_, now_);
   }
   Status answer(PacketType type, std::uint16_t id, const Values& values = {}) {
     std::vector<std::uint8_t> payload(8 * values.size());
@@ -47,7 +47,6 @@ class QueueRig {
     if (!queue.is_answer(packet)) return Error{ErrorKind::kInvalid, "late"};
     return queue.complete(packet, now_);
   }
-  double host() const { return std::chrono::duration<double>(now_.time_since_epoch()).count(); }
 
   link::Outbox outbox;
   RequestQueue queue{link::SessionOptions{}, outbox};
@@ -101,16 +100,38 @@ TEST(RequestQueue, StartsTheTimeoutOnceTheTransportHasAcceptedTheRequest) {
   QueueRig rig;
   rig.queue.push_back(link::read_request({3}), [](const Values&, link::Time) { return Status{}; });
   link::Time now{std::chrono::seconds(200)};
-  EXPECT_TRUE(rig.queue.tick(now, 200));
-  now += std::chrono::seconds(10);
-  EXPECT_TRUE(rig.queue.tick(now, 210));
+  EXPECT_TRUE(rig.queue.tick(now));
+  now += milliseconds(999);
+  EXPECT_TRUE(rig.queue.tick(now));
   EXPECT_EQ(rig.queue.retry_count(), 0U);
   rig.outbox.mark_sent(rig.outbox.bytes().size());
-  rig.queue.on_sent(now, 210);
-  EXPECT_EQ(rig.queue.sent_at(), 210);
-  EXPECT_TRUE(rig.queue.tick(now + milliseconds(251), 210.3));
+  rig.queue.on_sent(now, now - milliseconds(1));
+  EXPECT_EQ(rig.queue.sent_at(), now - milliseconds(1));
+  EXPECT_TRUE(rig.queue.tick(now + milliseconds(251)));
   EXPECT_EQ(rig.queue.retry_count(), 1U);
-  EXPECT_LT(rig.queue.sent_at(), 210) << "no round trip for the clock";
+  EXPECT_FALSE(rig.queue.sent_at()) << "no round trip for the clock";
+}
+
+TEST(RequestQueue, GivesUpARequestThatTheTransportDoesNotAccept) {
+  QueueRig rig;
+  std::optional<ErrorKind> kind;
+  rig.queue.push_user_request(link::read_request({3}),
+                              [&](const Result<Values>& result) { kind = result.error().kind; });
+  link::Time now{std::chrono::seconds(200)};
+  EXPECT_TRUE(rig.queue.tick(now));
+  EXPECT_TRUE(rig.queue.tick(now + milliseconds(999)));
+  EXPECT_FALSE(rig.queue.tick(now + milliseconds(1000)));
+  EXPECT_EQ(kind, ErrorKind::kTimeout);
+}
+
+TEST(RequestQueue, IsPatientIfMuchWaitsBeforeTheRequest) {
+  QueueRig rig;
+  rig.outbox.add_frame({}, cv::Mat1b(48, 1280, std::uint8_t{0}));
+  rig.queue.push_back(link::read_request({3}), [](const Values&, link::Time) { return Status{}; });
+  link::Time now{std::chrono::seconds(200)};
+  EXPECT_TRUE(rig.queue.tick(now));
+  EXPECT_TRUE(rig.queue.tick(now + std::chrono::seconds(60)));
+  EXPECT_FALSE(rig.queue.tick(now + std::chrono::seconds(70)));
 }
 
 TEST(RequestQueue, IgnoresAnswersThatDoNotFit) {

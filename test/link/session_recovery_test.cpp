@@ -107,13 +107,18 @@ TEST(Session, NoticesThatFramesStayAway) {
   EXPECT_TRUE(rig.noted("the board takes images but sends no frames: purge"));
 }
 
-TEST(Session, ToleratesCamerasThatDeliverNothing) {
+TEST(Session, ReportsCamerasThatDeliverNothing) {
   Streaming rig;
   rig.want(1);
   ASSERT_TRUE(rig.run_until([&] { return rig.good() > 3; }));
-  rig.pairs.clear();
-  rig.run(10000);
+  const auto pairs = std::exchange(rig.pairs, {});
+  rig.run(2900);
   EXPECT_TRUE(rig.steps.empty());
+  rig.run(200);
+  EXPECT_EQ(rig.steps, std::vector<Step>{Step::kPurge});
+  EXPECT_EQ(rig.session.trouble(), link::LinkTrouble::kNoImages);
+  rig.pairs = pairs;
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.trouble() == link::LinkTrouble::kNone; }));
 }
 
 TEST(Session, RecoversALinkThatIsCutWithinAFrame) {

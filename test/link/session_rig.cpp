@@ -74,7 +74,7 @@ void SessionRig::run(int ms) {
         waiting_.begin() + static_cast<std::ptrdiff_t>(std::min(waiting_.size(), bytes_per_ms));
     Bytes out(waiting_.begin(), end);
     waiting_.erase(waiting_.begin(), end);
-    session.sent(out.size(), now, host);
+    session.sent(out.size(), now, now);
     if (to_board) to_board(out);
     if (line_open && !out.empty()) board.receive(out.data(), out.size());
     Bytes in;

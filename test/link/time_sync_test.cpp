@@ -75,6 +75,45 @@ TEST(TimeSync, NeverStepsBack) {
   EXPECT_GT(last, clocks.host + 59);
 }
 
+TEST(TimeSync, BeginsAnewWhereTheBoardClockSteps) {
+  for (const std::int64_t step : {3600000000LL, 100000LL}) {
+    Clocks clocks;
+    TimeSync sync;
+    double t = clocks.host;
+    for (; t < clocks.host + 30; t += 0.5) sync.add(t - 0.001, clocks.board_at(t), t + 0.001);
+    EXPECT_EQ(sync.steps(), 0U);
+    clocks.board += static_cast<std::uint64_t>(step);
+    for (int i = 0; i < 4; ++i, t += 0.5) {
+      sync.add(t - 0.001, clocks.board_at(t), t + 0.001);
+      EXPECT_EQ(sync.steps(), 1U);
+      EXPECT_TRUE(sync.is_steady());
+      EXPECT_NEAR(*sync.to_host(clocks.board_at(t + 0.1)), t + 0.1, 0.001);
+    }
+  }
+}
+
+TEST(TimeSync, TellsAClockOfAnotherRate) {
+  for (const double drift : {1.0, -0.5, 0.05, -0.02}) {
+    Clocks clocks;
+    clocks.drift = drift;
+    TimeSync sync;
+    int steady = 0;
+    for (double t = clocks.host; t < clocks.host + 60; t += 0.5) {
+      sync.add(t - 0.001, clocks.board_at(t), t + 0.001);
+      if (t > clocks.host + 20) steady += sync.is_steady() ? 1 : 0;
+    }
+    EXPECT_EQ(steady, 0) << drift;
+    // A clock that runs well again is used again.
+    clocks.board = clocks.board_at(clocks.host + 60);
+    clocks.host += 60;
+    clocks.drift = 0;
+    for (double t = clocks.host; t < clocks.host + 10; t += 0.5) {
+      sync.add(t - 0.001, clocks.board_at(t), t + 0.001);
+    }
+    EXPECT_TRUE(sync.is_steady()) << drift;
+  }
+}
+
 TEST(TimeSync, ConvertsOlderTimesAgain) {
   TimeSync sync;
   sync.add(10, 1000000, 10.001);

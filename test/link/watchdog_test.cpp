@@ -54,7 +54,7 @@ TEST(Watchdog, IsQuietWhilePacketsArrive) {
 /// Polls every half second while packets, but no frames, arrive. Returns the first trouble.
 LinkTrouble trouble_without_frames(Watchdog& watchdog, bool is_streaming, std::uint32_t per_poll) {
   watchdog.start(kStart);
-  watchdog.on_streams_changed(kStart, 7);
+  watchdog.on_streams_changed(kStart, 7, false);
   std::uint32_t frames_in = 7;
   for (int ms = 500; ms < 20000; ms += 500) {
     const link::Time now = kStart + milliseconds(ms);
@@ -71,9 +71,73 @@ TEST(Watchdog, NoticesABoardThatTakesPairsButSendsNoFrames) {
   EXPECT_EQ(trouble_without_frames(watchdog, true, 15), LinkTrouble::kStalled);
 }
 
-TEST(Watchdog, ToleratesCamerasThatDeliverNothing) {
+TEST(Watchdog, NoticesCamerasThatDeliverNothing) {
   Watchdog watchdog{link::SessionOptions{}};
-  EXPECT_EQ(trouble_without_frames(watchdog, true, 0), LinkTrouble::kNone);
+  EXPECT_EQ(trouble_without_frames(watchdog, true, 0), LinkTrouble::kNoImages);
+}
+
+/// Lets 200 s pass in which packets of frames come, but no good frames. Returns when steps were
+/// taken, s.
+std::vector<int> steps_without_good_frames(Watchdog& watchdog, bool is_frame) {
+  watchdog.start(kStart);
+  watchdog.on_streams_changed(kStart, 7, false);
+  std::vector<int> steps;
+  for (int ms = 0; ms < 200000; ms += 100) {
+    const link::Time now = kStart + milliseconds(ms);
+    watchdog.on_packet(now);
+    if (is_frame) watchdog.on_frame_packet(now);
+    watchdog.on_poll(7, true);
+    const auto trouble = watchdog.check(now, true, 1);
+    if (!trouble) continue;
+    watchdog.take(watchdog.next_step(), *trouble, now);
+    watchdog.on_streams_changed(now, 7, false);
+    steps.push_back((ms + 500) / 1000);
+  }
+  return steps;
+}
+
+TEST(Watchdog, WaitsEverLongerForFramesThatStayAway) {
+  Watchdog watchdog{link::SessionOptions{}};
+  EXPECT_EQ(steps_without_good_frames(watchdog, false), (std::vector<int>{3, 9, 21, 45, 94, 190}));
+  watchdog.on_good_frames(kStart);
+  EXPECT_EQ(watchdog.trouble().kind, LinkTrouble::kNone);
+  EXPECT_EQ(steps_without_good_frames(watchdog, false).front(), 3);
+}
+
+TEST(Watchdog, IsPatientWhileAFrameArrivesSlowly) {
+  Watchdog watchdog{link::SessionOptions{}};
+  EXPECT_EQ(steps_without_good_frames(watchdog, true), (std::vector<int>{60, 120, 180}));
+  EXPECT_EQ(watchdog.trouble().kind, LinkTrouble::kStalled);
+}
+
+TEST(Watchdog, WaitsForTenPeriodsOfASlowBoard) {
+  Watchdog watchdog{link::SessionOptions{}};
+  watchdog.start(kStart);
+  watchdog.on_streams_changed(kStart, 7, false);
+  const auto due = [&](int s) { return kStart + std::chrono::seconds(s); };
+  for (const int s : {10, 11, 12}) watchdog.on_good_frames(due(s));
+  watchdog.on_packet(due(21));
+  EXPECT_FALSE(watchdog.check(due(21), true, 1));
+  watchdog.on_packet(due(23));
+  EXPECT_TRUE(watchdog.check(due(23), true, 1));
+}
+
+TEST(Watchdog, ExpectsFramesOfTheHostsPairsOnly) {
+  Watchdog watchdog{link::SessionOptions{}};
+  watchdog.start(kStart);
+  watchdog.on_streams_changed(kStart, 7, true);
+  const auto later = [](int s) { return kStart + std::chrono::seconds(s); };
+  watchdog.on_packet(later(100));
+  EXPECT_FALSE(watchdog.check(later(100), true, 1));
+  watchdog.on_pair_sent(later(100));
+  watchdog.on_good_frames(later(101));
+  watchdog.on_packet(later(110));
+  EXPECT_FALSE(watchdog.check(later(110), true, 1));
+  watchdog.on_pair_sent(later(110));
+  watchdog.on_packet(later(200));
+  const auto trouble = watchdog.check(later(200), true, 1);
+  ASSERT_TRUE(trouble);
+  EXPECT_EQ(trouble->kind, LinkTrouble::kStalled);
 }
 
 TEST(Watchdog, ExpectsNoFramesWhileNothingIsStreamed) {

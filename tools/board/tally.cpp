@@ -14,11 +14,12 @@ namespace {
 
 using Verdict = link::FrameVerdict;
 
-constexpr std::array<std::pair<Verdict, const char*>, 4> kCauses{
+constexpr std::array<std::pair<Verdict, const char*>, 5> kCauses{
     {{Verdict::kRowsMissing, "rows missing"},
      {Verdict::kNoTrailer, "trailer missing"},
      {Verdict::kFlagged, "flagged by the board"},
-     {Verdict::kBadSignature, "wrong signature"}}};
+     {Verdict::kBadSignature, "wrong signature"},
+     {Verdict::kBadStamp, "impossible time stamp"}}};
 
 class Table {
  public:

@@ -25,6 +25,8 @@ struct GatewareBuild {
 
   /// Returns the width of the narrowest image, px.
   int min_width() const;
+  /// Refuses what no gateware is built for, by name, value and range: a board may say anything.
+  Status check() const;
 
   /// Returns the build that the registers BUILD, BUILD_LINE_ROWS and BUILD_MESH_NODES describe.
   static GatewareBuild from_registers(std::uint32_t build, std::uint32_t line_rows,

@@ -19,6 +19,7 @@ enum class FrameVerdict {
   kNoTrailer,     // dropped: the next frame began, or the link was lost, before the trailer came
   kFlagged,       // dropped: the board flagged the frame as bad
   kBadSignature,  // dropped: all rows came, but they are not what the board sent
+  kBadStamp,      // dropped: the board took it at an impossible time
 };
 
 /// The frames that a board made from one pair. They share the pair's frame_id and timestamp.
@@ -42,6 +43,9 @@ struct ReceivedFrames {
   /// Mid-exposure, s, by the host's clock; for host pairs the timestamp that the host sent.
   double stamp = 0;
   double arrived = 0;  // s, by the host's clock: arrival of the last byte
+  /// How often the host's clock was set since the device was opened: the stamps of frames with
+  /// different counts are not comparable.
+  std::uint64_t clock_steps = 0;
 };
 
 }  // namespace fpga_stereo::link

@@ -36,8 +36,9 @@ enum class LinkTrouble {
   kIncompatible,  // another version of protocol or gateware
   kRejected,      // the board rejects its configuration, or does not hold what is written
   // The watchdog is at work.
-  kSilent,   // the board sends nothing, or does not answer
-  kStalled,  // the board takes pairs but sends no frames
+  kSilent,    // the board sends nothing, or does not answer
+  kStalled,   // the board takes pairs but sends no good frames
+  kNoImages,  // the board's cameras deliver no images
 };
 
 /// Steps of the watchdog, mild to harsh. The last one repeats.

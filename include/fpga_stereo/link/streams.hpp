@@ -94,7 +94,8 @@ class StreamSet {
  private:
   static constexpr std::uint32_t kAllBits = (1U << kNumStreams) - 2;
   static constexpr std::uint32_t bit(Stream stream) {
-    return stream == Stream::kNone ? 0 : 1U << static_cast<unsigned>(stream);
+    const auto number = static_cast<int>(stream);  // a packet may hold any
+    return number > 0 && number < kNumStreams ? 1U << number : 0;
   }
 
   std::uint32_t bits_ = 0;
