@@ -10,8 +10,10 @@ function(fpga_stereo_target target)
   endif()
   if(FPGA_STEREO_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${FPGA_STEREO_SANITIZE} -fno-omit-frame-pointer)
-    # GCC gives false warnings about std::regex when sanitizers are on.
-    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+      # It gives false warnings about std::regex when sanitizers are on.
+      target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+    endif()
     target_link_options(${target} PUBLIC -fsanitize=${FPGA_STEREO_SANITIZE})
   endif()
 endfunction()

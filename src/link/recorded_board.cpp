@@ -10,7 +10,8 @@
 namespace fpga_stereo::link {
 namespace {
 
-constexpr std::size_t kKeptRequests = 64;  // no late answer belongs to an older one
+constexpr std::size_t kKeptRequests = 64;        // no late answer belongs to an older one
+constexpr std::size_t kKeptConfigurations = 16;  // no late frame belongs to an older one
 
 std::vector<std::uint32_t> words_of(const Packet& packet) {
   std::vector<std::uint32_t> words;
@@ -75,6 +76,7 @@ void RecordedBoard::apply() {
   made->configuration.mesh = has_written_mesh() ? written_ : active_;
   // The first frame may come before the answer. An apply that is sent twice may take effect twice.
   configurations_[*id_ + 1] = std::move(made);
+  if (configurations_.size() > kKeptConfigurations) configurations_.erase(configurations_.begin());
 }
 
 bool RecordedBoard::has_written_mesh() const {

@@ -108,9 +108,13 @@ Status RecordReader::next(Record& record) {
     return end(ErrorKind::kIo,
                fmt::format(" is damaged: byte {} does not begin a record", offset_));
   }
-  record.bytes.resize(size);
-  file_.read(reinterpret_cast<char*>(record.bytes.data()), size);
-  if (file_.gcount() < static_cast<std::streamsize>(size)) {
+  // In parts: a damaged size must not have memory allocated for bytes that are not there.
+  constexpr std::size_t kPart = 1 << 16;
+  while (record.bytes.size() < size) {
+    const std::size_t at = record.bytes.size(), part = std::min<std::size_t>(size - at, kPart);
+    record.bytes.resize(at + part);
+    file_.read(reinterpret_cast<char*>(&record.bytes[at]), static_cast<std::streamsize>(part));
+    if (file_.gcount() == static_cast<std::streamsize>(part)) continue;
     record.bytes.clear();
     return end(ErrorKind::kUnplugged, " breaks off");
   }
@@ -122,7 +126,9 @@ Status RecordReader::next(Record& record) {
 
 bool RecordClock::wait(std::uint64_t time, std::chrono::milliseconds timeout) const {
   if (speed_ <= 0) return true;
-  const std::chrono::duration<double, std::micro> after(static_cast<double>(time) / speed_);
+  constexpr double kMaxTime = 1e14;  // us: later than any deadline, and not too much for a duration
+  const std::chrono::duration<double, std::micro> after(
+      std::min(static_cast<double>(time) / speed_, kMaxTime));
   const auto due = start_ + std::chrono::duration_cast<Clock::duration>(after);
   std::this_thread::sleep_until(std::min(due, Clock::now() + timeout));
   return Clock::now() >= due;

@@ -1,11 +1,11 @@
 // libFuzzer target for a session. The input is a list of commands, one byte and operands each: the
 // virtual board answers, packets with right CRCs and any contents arrive, time passes, or the link
-// is lost. Run by test/fuzz.
+// is lost.
 #include <algorithm>
-#include <cstdlib>
 #include <optional>
 #include <set>
 
+#include "fuzz/budget.hpp"
 #include "link/session_rig.hpp"
 
 namespace {
@@ -15,6 +15,8 @@ using fpga_stereo::link::PacketType;
 using fpga_stereo::link::Session;
 using fpga_stereo::link::Stream;
 using fpga_stereo::link::StreamSet;
+using fpga_stereo::test::Budget;
+using fpga_stereo::test::require;
 using fpga_stereo::test::SessionRig;
 
 constexpr StreamSet kStreams = StreamSet::all() - Stream::kInput;
@@ -52,21 +54,18 @@ std::vector<std::uint8_t> packet(Program& program) {
   return bytes;
 }
 
-void require(bool what) {
-  if (!what) std::abort();
-}
-
 /// Checks that the images of a set have their stream's type and one size, and that a configuration
 /// of the host made them.
-void check(const link::ReceivedFrames& received, const std::set<std::uint64_t>& tags) {
-  require(tags.count(received.tag) != 0);
+void check(const fpga_stereo::link::ReceivedFrames& received, const std::set<std::uint64_t>& tags) {
+  require(tags.count(received.tag) != 0, "a configuration of the host made the frames");
   std::optional<cv::Size> size;
   for (int s = 0; s < fpga_stereo::link::kNumStreams; ++s) {
     const cv::Mat& image = received.set.image(static_cast<Stream>(s));
     if (image.empty()) continue;
-    require(kStreams.contains(static_cast<Stream>(s)));
-    require(image.type() == (static_cast<Stream>(s) == Stream::kDisparity ? CV_16UC1 : CV_8UC1));
-    require(image.size() == size.value_or(image.size()));
+    require(kStreams.contains(static_cast<Stream>(s)), "the stream is one of a board");
+    require(image.type() == (static_cast<Stream>(s) == Stream::kDisparity ? CV_16UC1 : CV_8UC1),
+            "the image has the type of its stream");
+    require(image.size() == size.value_or(image.size()), "the images have one size");
     size = image.size();
   }
 }
@@ -76,26 +75,30 @@ void check_lost_line(Session& session, int& unanswered) {
   session.ask(fpga_stereo::link::read_request({0}), [&](const auto&) { --unanswered; });
   ++unanswered;
   session.closed();
-  require(unanswered == 0);
+  require(unanswered == 0, "every request is answered");
   bool refused = false;
   session.ask(fpga_stereo::link::read_request({0}), [&](const auto& r) { refused = !r; });
-  require(refused);
+  require(refused, "requests without a board are refused");
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const SessionRig::Setting settings[] = {SessionRig::setting(1), SessionRig::setting(2)};
-  static const auto pair = SessionRig::pair(1);
+  static const cv::Size small(24, 8);  // what computes the frames is not what is tested
+  static const SessionRig::Setting settings[] = {SessionRig::setting(1, small),
+                                                 SessionRig::setting(2, small)};
+  static const auto pair = SessionRig::pair(1, small);
+  // A byte of input may let 255 ms pass.
+  const Budget budget(size, {0.1, 2e-3, 32 << 20, 1 << 20});
   SessionRig rig;
-  Program program(data, std::min<std::size_t>(size, 2000));
+  Program program(data, size);
   bool answers = false;
   std::set<std::uint64_t> tags;
   int unanswered = 0;
   rig.to_host = [&](std::vector<std::uint8_t>& bytes) {
     if (!answers) bytes.clear();
   };
-  for (int steps = 0; program.left() && steps < 300; ++steps) {
+  for (int steps = 0; program.left() && steps < 40; ++steps) {
     switch (program.next() % 8) {
       case 0:
       case 1:
@@ -104,7 +107,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         break;
       case 2:
         answers = false;
-        rig.run(1 + program.next());
+        rig.run(1 + program.next() % 100);
         break;
       case 3: {
         const auto bytes = packet(program);
@@ -132,10 +135,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         ++unanswered;
         break;
     }
-    require(rig.session.outgoing().size() <= kMaxOutgoing);
+    require(rig.session.outgoing().size() <= kMaxOutgoing, "one request waits to be sent");
   }
   check_lost_line(rig.session, unanswered);
+  for (auto& note : rig.session.take_notes()) rig.notes.push_back(std::move(note));
+  require(rig.notes.size() <= 100 + size, "notes are few");
   for (auto& r : rig.session.take_received()) rig.received.push_back(std::move(r));
-  for (const link::ReceivedFrames& r : rig.received) check(r, tags);
+  for (const fpga_stereo::link::ReceivedFrames& r : rig.received) check(r, tags);
   return 0;
 }
