@@ -50,10 +50,10 @@ def calibrate(width, height):
             sys.exit(f"{service} refused the calibration")
 
 
-def node_pid():
-    found = subprocess.run(["pgrep", "-f", "^[^ ]*lib/fpga_stereo/stereo"], text=True,
+def node_pid(devel, other_than=0):
+    found = subprocess.run(["pgrep", "-f", f"^{devel}/lib/fpga_stereo/stereo"], text=True,
                            stdout=subprocess.PIPE, check=True)
-    return int(found.stdout.split()[0])
+    return next(pid for pid in map(int, found.stdout.split()) if pid != other_than)
 
 
 @contextlib.contextmanager
@@ -64,7 +64,8 @@ def running(devel, width, height, board_options, node_options=()):
     with tempfile.TemporaryDirectory() as folder:
         os.environ.update(ROS_HOME=folder, ROS_LOG_DIR=folder)
         write_pair(folder, width, height)
-        master = subprocess.Popen(["roscore"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        port = os.environ.get("ROS_MASTER_URI", "http://localhost:11311").rsplit(":", 1)[1].strip("/")
+        master = subprocess.Popen(["roscore", "-p", port], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         time.sleep(3)
         board = subprocess.Popen(
             [programs / "virtual_board", "--usb", "--images", f"{folder}/left.pgm",
