@@ -1,7 +1,5 @@
 #include "ros/board_source.hpp"
 
-#include <ros/console.h>
-
 #include <chrono>
 #include <cmath>
 #include <tuple>
@@ -73,9 +71,7 @@ link::Device::Callbacks BoardSource::device_callbacks() {
   callbacks.received = [this](const Received& received) { on_received(received); };
   callbacks.identified = [this](const link::Identity& identity) { on_identified(identity); };
   callbacks.closed = [this] { on_closed(); };
-  callbacks.note = [](const std::string& note) {
-    ROS_INFO_STREAM_NAMED("stereo", "board: " << note);
-  };
+  callbacks.note = [this](const std::string& note) { log_.info("board: " + note); };
   return callbacks;
 }
 
@@ -87,7 +83,7 @@ void BoardSource::announce_algorithm(const link::Identity& identity) {
   if (settings_.backend == Backend::kAuto) {
     text += "; set stereo_algorithm to sgm to have the software do semi-global matching instead";
   }
-  ROS_INFO_STREAM_NAMED("stereo", text);
+  log_.info(text);
 }
 
 void BoardSource::apply_plan() {
@@ -97,8 +93,7 @@ void BoardSource::apply_plan() {
     const bool is_limited =
         !plan_.makes_disparity() && plan_.ability() != BoardAbility::kNeedsCalibration;
     if (is_limited) {
-      ROS_WARN_STREAM_NAMED("stereo",
-                            "the board cannot make this disparity: " << plan_.limitation());
+      log_.warn("the board cannot make this disparity: " + plan_.limitation());
     }
     logged_ability_ = plan_.ability();
     logged_limitation_ = plan_.limitation();
@@ -109,7 +104,7 @@ void BoardSource::apply_plan() {
 }
 
 void BoardSource::on_identified(const link::Identity& identity) {
-  ROS_INFO_STREAM_NAMED("stereo", "board identified: " << identity.text());
+  log_.info("board identified: " + identity.text());
   std::vector<SourcePair> unanswered;
   {
     const MutexLock presence(presence_mutex_);
@@ -174,9 +169,8 @@ void BoardSource::refresh() {
   if (!plan_.has_board()) return;
   const Result<bool> is_new = plan_.offer_calibration(calibration);
   if (!is_new) {
-    ROS_INFO_STREAM_THROTTLE_NAMED(
-        10, "stereo",
-        "the new calibration is not used until both cameras agree: " << is_new.error().message);
+    log_.info("the new calibration is not used until both cameras agree: " +
+              is_new.error().message);
   } else if (*is_new) {
     apply_plan();
   }

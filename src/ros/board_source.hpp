@@ -11,6 +11,7 @@
 #include "fpga_stereo/link/device.hpp"
 #include "ros/board_frames.hpp"
 #include "ros/board_input.hpp"
+#include "ros/board_log.hpp"
 #include "ros/board_settings.hpp"
 #include "ros/camera_topics.hpp"
 #include "ros/health.hpp"
@@ -85,6 +86,7 @@ class BoardSource : public BoardInput {
   Health& health_;
   StampGate& gate_;
   const Callbacks callbacks_;
+  BoardLog log_;
   Verifier verifier_;
   std::atomic<bool> none_found_{false};  // the last attempt to open found no device
 
