@@ -71,7 +71,7 @@ void CloudInput::set_subscribed(bool is_subscribed) {
   log_.start({kDisparity, kColor, kLeftInfo, kRightInfo}, true);
   // Queues of 1 as in image_pipeline: the synchronizer has the queue that matters.
   disparity_.subscribe(nh_, kCloudTopicNames[kDisparity], 1);
-  subscribe_to_images(transport_, private_nh_, kCloudTopicNames[kColor], color_);
+  subscribe_to_images(transport_, nh_, private_nh_, kCloudTopicNames[kColor], color_);
   left_info_.subscribe(nh_, kCloudTopicNames[kLeftInfo], 1);
   right_info_.subscribe(nh_, kCloudTopicNames[kRightInfo], 1);
 }

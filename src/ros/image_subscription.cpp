@@ -4,9 +4,11 @@
 
 namespace fpga_stereo {
 
-void subscribe_to_images(image_transport::ImageTransport& transport,
-                         const ros::NodeHandle& private_nh, const std::string& topic,
+void subscribe_to_images(image_transport::ImageTransport& transport, const ros::NodeHandle& nh,
+                         const ros::NodeHandle& private_nh, const std::string& name,
                          image_transport::SubscriberFilter& subscriber) {
+  // A transport appends its name to the topic, which a remapping of the topic would then miss.
+  const std::string topic = nh.resolveName(name);
   const ros::TransportHints ros_hints;
   const image_transport::TransportHints hints("raw", ros_hints, private_nh);
   try {

@@ -8,10 +8,10 @@
 
 namespace fpga_stereo {
 
-/// Subscribes with a queue of 1 and the transport of the parameter image_transport, or raw, with an
-/// error message, if its plugin cannot be loaded.
-void subscribe_to_images(image_transport::ImageTransport& transport,
-                         const ros::NodeHandle& private_nh, const std::string& topic,
+/// Subscribes to `name`, relative to `nh`, with a queue of 1 and the transport of the parameter
+/// image_transport, or raw, with an error message, if its plugin cannot be loaded.
+void subscribe_to_images(image_transport::ImageTransport& transport, const ros::NodeHandle& nh,
+                         const ros::NodeHandle& private_nh, const std::string& name,
                          image_transport::SubscriberFilter& subscriber);
 
 }  // namespace fpga_stereo

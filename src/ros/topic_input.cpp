@@ -81,7 +81,7 @@ void TopicInput::subscribe(const std::set<std::size_t>& topics) {
     }
   };
   const auto subscribe_image = [&](auto& subscriber, const std::string& name) {
-    subscribe_to_images(transport_, private_nh_, name, subscriber);
+    subscribe_to_images(transport_, nh_, private_nh_, name, subscriber);
   };
   const auto subscribe_info = [](auto& subscriber, const auto&) { subscriber.subscribe(); };
   change(kLeftImage, left_image_, subscribe_image);

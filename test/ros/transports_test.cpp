@@ -74,5 +74,12 @@ TEST(Transports, RecordingEveryTopicCausesNoWarning) {
             0U);
 }
 
+TEST(Transports, RemappedTopicsAreFoundInEveryTransport) {
+  Rig rig("front", "other/copied");
+  Listener<stereo_msgs::DisparityImage> disparity(rig.nh(), "disparity");
+  ASSERT_TRUE(rig.node_listens());
+  EXPECT_TRUE(disparity.with_stamp(rig.publish(synthetic_pair({160, 120}, 12))));
+}
+
 }  // namespace
 }  // namespace fpga_stereo::test

@@ -119,7 +119,9 @@ TEST(TwoBoards, DoNotDisturbEachOther) {
   rear.expect_calibration_file(folder + "/camera_info");
 
   const int replugs = ros::param::param("~replugs", 10);
+  const ros::WallDuration pause(ros::param::param("~pause", 0.0));
   for (int i = 0; i < replugs; ++i) {
+    pause.sleep();
     rear.board->replug(std::chrono::milliseconds(300));
     rear.expect_disparity();
     front.expect_disparity();

@@ -1,7 +1,9 @@
 // Stand-ins for the transports compressed, theora and compressedDepth of image_transport_plugins,
 // which Debian does not have: they take the encodings that the originals take, and log an error for
-// others as the originals do.
+// others as the originals do. And a transport `copied` for subscribers.
 #include <image_transport/simple_publisher_plugin.h>
+#include <image_transport/simple_subscriber_plugin.h>
+#include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
 #include <std_msgs/String.h>
 
@@ -47,8 +49,20 @@ class CompressedDepth : public StandIn {
   CompressedDepth() : StandIn("compressedDepth", true) {}
 };
 
+class Copied : public image_transport::SimpleSubscriberPlugin<sensor_msgs::Image> {
+ public:
+  std::string getTransportName() const override { return "copied"; }
+
+ protected:
+  void internalCallback(const sensor_msgs::ImageConstPtr& image,
+                        const Callback& callback) override {
+    callback(image);
+  }
+};
+
 }  // namespace fpga_stereo::test
 
 PLUGINLIB_EXPORT_CLASS(fpga_stereo::test::Compressed, image_transport::PublisherPlugin)
 PLUGINLIB_EXPORT_CLASS(fpga_stereo::test::Theora, image_transport::PublisherPlugin)
 PLUGINLIB_EXPORT_CLASS(fpga_stereo::test::CompressedDepth, image_transport::PublisherPlugin)
+PLUGINLIB_EXPORT_CLASS(fpga_stereo::test::Copied, image_transport::SubscriberPlugin)
