@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -164,8 +165,7 @@ TEST(CameraInfoYaml, RefusesFilesThatAreNotCameraInfo) {
       "camera_matrix, distortion_coefficients, rectification_matrix and projection_matrix";
   for (const std::string text : {"", "hello", "[1, 2]", "# a comment"})
     expect_error(text, expected);
-  expect_error(std::string(64 * 1024 + 1, ' '),
-               "is larger than 65536 bytes, the limit for a camera_info file");
+  expect_error(std::string(64 * 1024 + 1, ' '), "is larger than 65536 bytes, the limit");
   const auto read = parse_camera_info("a: [1, 2", "left.yaml");
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().message.rfind("left.yaml: is not valid YAML: ", 0), 0U)
@@ -177,8 +177,126 @@ TEST(CameraInfoYaml, NeverFailsOtherwiseOnTruncatedFiles) {
   for (std::size_t length = 0; length + 2 < text.size(); ++length) {
     EXPECT_FALSE(parse_camera_info(text.substr(0, length), "left.yaml")) << length << " bytes";
   }
-  // Deep nesting must not exhaust the stack.
-  EXPECT_FALSE(parse_camera_info(std::string(60000, '['), "left.yaml"));
+}
+
+TEST(CameraInfoYaml, RefusesDeepNesting) {
+  const std::string expected = "is nested more deeply than 16 levels, the limit";
+  const auto repeated = [](const std::string& text) {
+    std::string all;
+    while (all.size() < 60000) all += text;
+    return all;
+  };
+  for (const std::string level : {"[", "{a: ", "- ", "? ", "[a: ", "[? ", "[[", "!!seq ["}) {
+    expect_error(repeated(level), expected);
+    expect_error(std::string(kFile) + "other: " +
+                     (level[0] == '-' || level[0] == '?' ? "\n  " : "") + repeated(level),
+                 expected);
+  }
+  std::string indented;
+  for (int level = 0; indented.size() < 60000; ++level) {
+    indented += std::string(static_cast<std::size_t>(level), ' ') + "a:\n";
+  }
+  expect_error(indented, expected);
+  const std::string allowed(15, '[');
+  EXPECT_TRUE(parse_camera_info(std::string(kFile) + "other: " + allowed + std::string(15, ']'),
+                                "left.yaml"));
+}
+
+TEST(CameraInfoYaml, RefusesAliases) {
+  expect_error(changed("rectification_matrix:", "a: &a [1, 1]\nb: &b [*a, *a]\nother:"),
+               "has an alias (*), which is not allowed");
+  expect_error("&a [*a]", "has an alias (*), which is not allowed");
+}
+
+TEST(CameraInfoYaml, RefusesHugeMatricesBeforeItReadsThem) {
+  expect_error(changed("cols: 3", "cols: 500000000"),
+               "camera_matrix.cols = \"500000000\": allowed is 3");
+  expect_error(changed("rows: 3", "rows: 2"), "camera_matrix.rows = \"2\": allowed is 3");
+  expect_error(changed("cols: 5", "cols: 500000000"),
+               "distortion_coefficients.cols = \"500000000\": allowed are whole numbers from 0 to "
+               "14");
+}
+
+TEST(CameraInfoYaml, EscapesWhatATerminalWouldObey) {
+  expect_error(changed("306.25", "\"\\e[2J\""),
+               "camera_matrix.data[2] = \"\\x1b[2J\": allowed are finite numbers");
+}
+
+CameraCalibration some_camera() {
+  CameraCalibration camera;
+  camera.width = 752;
+  camera.height = 480;
+  camera.distortion_model = "plumb_bob";
+  camera.D = {-0.283, 0.1, 1.0 / 3, 1e-300, 0};
+  camera.K = {458.654, 0, 367.215, 0, 457.296, 248.375, 0, 0, 1};
+  camera.R = {0.9999663475300330, -0.0014225824427, 0.008077, 0.1, 0.2, 0.3, -0.1, 2.0 / 3, 1};
+  camera.P = {
+      435.2046959714599, 0, 367.4517211914062, -47.90639384423901, 0, 1e22, 252.2, 0, 0, 0, 1, 0};
+  return camera;
+}
+
+TEST(CameraInfoYaml, WritesWhatItReads) {
+  CameraCalibration camera = some_camera();
+  const auto text = format_camera_info(camera, "stereo_left");
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_EQ(*text, R"(image_width: 752
+image_height: 480
+camera_name: stereo_left
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [458.654, 0, 367.215, 0, 457.296, 248.375, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [-0.283, 0.1, 0.3333333333333333, 1e-300, 0]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [0.999966347530033, -0.0014225824427, 0.008077, 0.1, 0.2, 0.3, -0.1, 0.6666666666666666, 1]
+projection_matrix:
+  rows: 3
+  cols: 4
+  data: [435.2046959714599, 0, 367.4517211914062, -47.90639384423901, 0, 1e+22, 252.2, 0, 0, 0, 1, 0]
+)");
+  EXPECT_EQ(*parse_camera_info(*text, ""), camera);
+  camera.binning_x = 2;
+  camera.binning_y = 1;
+  camera.roi = {8, 4, 320, 240};
+  camera.D.clear();
+  EXPECT_EQ(*parse_camera_info(*format_camera_info(camera, ""), ""), camera);
+}
+
+TEST(CameraInfoYaml, WritesAnyName) {
+  CameraCalibration camera = some_camera();
+  for (const std::string name :
+       {"", "a: b", "- c", "#d", "e\nimage_width: 1", "'f'", "\"g\"", "\t"}) {
+    camera.distortion_model = name;
+    const auto text = format_camera_info(camera, name);
+    ASSERT_TRUE(text) << name << ": " << text.error().message;
+    EXPECT_EQ(*parse_camera_info(*text, ""), camera) << *text;
+  }
+  camera.distortion_model = "\"\xff\"";
+  const auto refused = format_camera_info(camera, "left");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "camera_info of left: YAML cannot represent its distortion_model \"\"\\xff\"\"");
+}
+
+TEST(CameraInfoYaml, DoesNotWriteWhatItWouldRefuse) {
+  CameraCalibration camera = some_camera();
+  camera.K[2] = std::nan("");
+  const auto nan = format_camera_info(camera, "left");
+  ASSERT_FALSE(nan);
+  EXPECT_EQ(nan.error().message,
+            "camera_info of left: camera_matrix.data[2] = \"nan\": allowed are finite numbers");
+  camera = some_camera();
+  camera.width = 0;
+  EXPECT_FALSE(format_camera_info(camera, "left"));
+  camera = some_camera();
+  camera.D.resize(15);
+  EXPECT_FALSE(format_camera_info(camera, "left"));
 }
 
 TEST(CameraInfoYaml, ReadsFiles) {
@@ -193,8 +311,7 @@ TEST(CameraInfoYaml, ReadsFiles) {
   std::ofstream(path) << std::string(200000, '#');
   const auto large = read_camera_info(path);
   ASSERT_FALSE(large);
-  EXPECT_EQ(large.error().message,
-            std::string(path) + ": is larger than 65536 bytes, the limit for a camera_info file");
+  EXPECT_EQ(large.error().message, std::string(path) + ": is larger than 65536 bytes, the limit");
   std::remove(path);
 
   const auto missing = read_camera_info(path);

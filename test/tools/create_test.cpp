@@ -179,6 +179,45 @@ TEST_F(Create, RefusesWrongUsage) {
   expect_refused(create({"--camera", "1/x"}), 2, {"--camera \"1/x\""});
 }
 
+TEST_F(Create, RefusesDamagedCalibrations) {
+  const std::string text = bytes(at("left.yaml"));
+  const auto expect_refused_with = [&](const std::string& from, const std::string& to,
+                                       const std::string& words) {
+    std::string changed = text;
+    ASSERT_NE(changed.find(from), std::string::npos) << from;
+    write_text("left.yaml", changed.replace(changed.find(from), from.size(), to));
+    expect_refused(create({}), 1, {at("left.yaml") + ": " + words});
+  };
+  // A parser of ROS asserts these sizes, or allocates them.
+  expect_refused_with("rows: 3", "rows: 2", "camera_matrix.rows = \"2\": allowed is 3");
+  expect_refused_with("cols: 3", "cols: 500000000",
+                      "camera_matrix.cols = \"500000000\": allowed is 3");
+  expect_refused_with("image_width", "- image_width", "is not ");
+}
+
+TEST_F(Create, KeepsBinningAndRegionOfInterest) {
+  InfoPair infos = distorted_cameras({2 * kSize.width + 8, kSize.height + 5});
+  for (sensor_msgs::CameraInfo* info : {&infos.left, &infos.right}) {
+    info->binning_x = 2;
+    info->roi.x_offset = 8;
+    info->roi.y_offset = 5;
+    info->roi.width = static_cast<std::uint32_t>(2 * kSize.width);
+    info->roi.height = static_cast<std::uint32_t>(kSize.height);
+  }
+  write_info("left.yaml", infos.left);
+  write_info("right.yaml", infos.right);
+  expect_refused(create({"--scale", "0.5"}), 1,
+                 {"--scale 0.5: the left camera_info has binning or a region of interest"});
+  ASSERT_EQ(create({}).code, 0);
+  const auto created = read<sensor_msgs::CameraInfo>(at("out.bag"));
+  const auto info = created.at("/stereo/left/camera_info").front();
+  EXPECT_EQ(info->binning_x, 2U);
+  EXPECT_EQ(info->roi.x_offset, 8U);
+  EXPECT_EQ(info->roi.width, infos.left.roi.width);
+  ASSERT_EQ(make_bag({"extract", at("out.bag"), at("out")}).code, 0);
+  EXPECT_NE(bytes(at("out/right.yaml")).find("binning_x: 2"), std::string::npos);
+}
+
 TEST_F(Create, NamesMissingFiles) {
   expect_refused(make_bag({"create", at("out.bag"), "--left", at("no*.png"), "--right", at("right"),
                            "--rectified", "50", "0.2"}),

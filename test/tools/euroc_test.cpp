@@ -96,7 +96,18 @@ TEST_F(Euroc, RefusesInvalidFiles) {
   write_text("e/cam1/sensor.yaml", sensor(0.35, "equidistant"));
   expect_refused({at("e/cam1/sensor.yaml"), "distortion_model", "\"equidistant\""});
   write_text("e/cam1/sensor.yaml", "camera_model: pinhole\ndistortion_model: radtan\n");
-  expect_refused({at("e/cam1/sensor.yaml"), "resolution has 0 numbers: allowed 2"});
+  expect_refused({at("e/cam1/sensor.yaml"), "resolution is missing"});
+  std::string text = sensor(0.35);
+  const auto expect_refused_with = [&](const std::string& from, const std::string& to,
+                                       const std::string& words) {
+    std::string changed = text;
+    ASSERT_NE(changed.find(from), std::string::npos) << from;
+    write_text("e/cam1/sensor.yaml", changed.replace(changed.find(from), from.size(), to));
+    expect_refused({at("e/cam1/sensor.yaml") + ": " + words});
+  };
+  expect_refused_with("cols: 4", "cols: 500000000", "T_BS.cols = \"500000000\": allowed is 4");
+  expect_refused_with("resolution: [64", "resolution: [1e99",
+                      "resolution is 1e+99x48: allowed are 1x1 to 65535x65535");
   write_text("e/cam1/sensor.yaml", "a: [1, 2");
   expect_refused({at("e/cam1/sensor.yaml")});
   write_text("e/cam1/sensor.yaml", sensor(0.35));

@@ -242,7 +242,12 @@ TEST_F(EvaluateRaw, NamesWhatIsMissing) {
   expect_refused("evaluate_raw", evaluate_raw({at("c")}), 1, {at("c/extrinsics.yml")});
   write_text("c/extrinsics.yml", "%YAML:1.0\n---\nR1: 3\n");
   expect_refused("evaluate_raw", evaluate_raw({at("c")}), 1,
-                 {at("c/intrinsics.yml"), "D1 is 0x0: allowed 1x5"});
+                 {at("c/intrinsics.yml"), "M1 = \"3\": allowed is a mapping"});
+  write_text("c/intrinsics.yml",
+             "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   cols: 500000000\n   dt: d\n"
+             "   data: [ 1., 0. ]\n");
+  expect_refused("evaluate_raw", evaluate_raw({at("c")}), 1,
+                 {at("c/intrinsics.yml") + ": M1.cols = \"500000000\": allowed is 3"});
   write("c/right2.png", cv::Mat1b(30, 40, std::uint8_t{0}));
   expect_refused("evaluate_raw", evaluate_raw({at("c")}), 1, {"1 left and 2 right images"});
   write_sequence();

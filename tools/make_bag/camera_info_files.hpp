@@ -8,11 +8,11 @@
 
 namespace fpga_stereo::tools {
 
-/// Reads a camera_info file (.yaml, .yml or .ini). Throws std::runtime_error.
+/// Reads a camera_info file. Throws std::runtime_error.
 sensor_msgs::CameraInfo read_camera_info_message(const std::string& path);
 
-/// Writes a camera_info file; its extension selects the format and `camera` names the camera in it.
-/// Throws std::runtime_error.
+/// Writes a camera_info file, in which `camera` names the camera. Throws std::runtime_error; then a
+/// file that existed is unchanged.
 void write_camera_info(const std::string& path, const std::string& camera,
                        const sensor_msgs::CameraInfo& info);
 

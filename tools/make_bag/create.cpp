@@ -122,9 +122,12 @@ StereoSource file_source(const po::variables_map& options) {
 /// Reads an image. Throws unless it has the size in its camera_info.
 cv::Mat read_checked(const std::string& path, const sensor_msgs::CameraInfo& info) {
   cv::Mat image = read_image(path);
-  if (image.cols != static_cast<int>(info.width) || image.rows != static_cast<int>(info.height)) {
+  const auto calibration = to_calibration(info, path + ":");
+  require(calibration);
+  const cv::Size size = calibration->image_size();
+  if (image.size() != size) {
     throw std::runtime_error(fmt::format("{}: is {}x{}, but its camera_info says {}x{}", path,
-                                         image.cols, image.rows, info.width, info.height));
+                                         image.cols, image.rows, size.width, size.height));
   }
   return image;
 }
@@ -169,6 +172,10 @@ class BagWriter {
                   sensor_msgs::CameraInfo info) {
     cv::Mat image = read_checked(path, info);
     if (scale_ != 1) {
+      if (info.binning_x > 1 || info.binning_y > 1 || info.roi.width != 0) {
+        throw std::runtime_error(fmt::format(
+            "--scale {}: the {} camera_info has binning or a region of interest", scale_, side));
+      }
       const cv::Size size(std::max(1, cvRound(image.cols * scale_)),
                           std::max(1, cvRound(image.rows * scale_)));
       cv::resize(image, image, size, 0, 0, cv::INTER_AREA);

@@ -178,11 +178,6 @@ class Extraction {
     for (const rosbag::MessageInstance& instance : view) {
       const auto info = instance.instantiate<sensor_msgs::CameraInfo>();
       if (info == nullptr) break;
-      if (info->binning_x > 1 || info->binning_y > 1 || info->roi.width != 0) {
-        std::cerr << fmt::format(
-            "make_bag: {}: {}.yaml cannot hold binning and region of interest; they are lost\n",
-            name, side);
-      }
       return write_camera_info(folder_ + "/" + side + ".yaml", side, *info);
     }
     std::cerr << fmt::format("make_bag: the bag has no camera_info on {}: {}.yaml is not written\n",

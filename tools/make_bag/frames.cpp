@@ -7,10 +7,9 @@
 #include <sstream>
 
 #include "fpga_stereo/core/calibration.hpp"
-#include "make_bag/camera_info_files.hpp"
+#include "fpga_stereo/core/camera_info_yaml.hpp"
 #include "make_bag/modes.hpp"
 #include "ros/calibration_url.hpp"
-#include "ros/conversions.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -84,7 +83,7 @@ CameraCalibration read(const po::variables_map& options, const std::string& side
     require(resolved);
     path = *resolved;
   }
-  const auto calibration = to_calibration(read_camera_info_message(path), side);
+  const auto calibration = read_camera_info(path);
   require(calibration);
   return *calibration;
 }

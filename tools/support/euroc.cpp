@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <map>
 #include <stdexcept>
 
+#include "core/printable.hpp"
+#include "core/yaml_mapping.hpp"
 #include "support/files.hpp"
+#include "support/program.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
@@ -24,50 +25,40 @@ struct Sensor {
   cv::Matx44d body_from_sensor;  // T_BS, metres
 };
 
-/// Returns the numbers of a YAML list. Throws unless there are `count`.
-std::vector<double> numbers(const std::string& path, const cv::FileNode& node,
-                            const std::string& name, std::size_t count) {
-  std::vector<double> values;
-  if (node.isSeq()) {
-    for (const cv::FileNode& item : node) values.push_back(static_cast<double>(item));
-  }
-  if (values.size() != count) {
-    throw std::runtime_error(
-        fmt::format("{}: {} has {} numbers: allowed {}", path, name, values.size(), count));
-  }
-  return values;
+std::vector<double> numbers(const YamlMapping& file, const std::string& name, std::size_t count) {
+  const auto values = file.numbers(name, count, "allowed are");
+  require(values);
+  return *values;
 }
 
-void require_text(const std::string& path, const cv::FileStorage& file, const std::string& name,
+void require_text(const std::string& path, const YamlMapping& file, const std::string& name,
                   const std::vector<std::string>& allowed) {
-  const std::string value = file[name].isString() ? file[name].string() : "";
-  if (std::find(allowed.begin(), allowed.end(), value) != allowed.end()) return;
-  throw std::runtime_error(
-      fmt::format("{}: {} is \"{}\": allowed is \"{}\"", path, name, value, allowed[0]));
+  const auto value = file.text(name);
+  require(value);
+  if (std::find(allowed.begin(), allowed.end(), *value) != allowed.end()) return;
+  throw std::runtime_error(fmt::format("{}: {} is \"{}\": allowed is \"{}\"", path, name,
+                                       printable(*value), allowed[0]));
 }
 
 Sensor read_sensor(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw std::runtime_error(path + ": cannot be read");
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  // OpenCV requires this first line, which the files of the dataset lack.
-  if (text.rfind("%YAML", 0) != 0) text.insert(0, "%YAML:1.0\n---\n");
-  cv::FileStorage file;
-  try {
-    file.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-  } catch (const cv::Exception& e) {
-    throw std::runtime_error(fmt::format("{}: is not valid YAML: {}", path, e.err));
-  }
-  require_text(path, file, "camera_model", {"pinhole"});
-  require_text(path, file, "distortion_model", {"radial-tangential", "radtan"});
+  const auto file = YamlMapping::read(path, "the sensor.yaml of a camera");
+  require(file);
+  require_text(path, *file, "camera_model", {"pinhole"});
+  require_text(path, *file, "distortion_model", {"radial-tangential", "radtan"});
   Sensor sensor;
-  const auto size = numbers(path, file["resolution"], "resolution", 2);
+  const auto size = numbers(*file, "resolution", 2);
+  for (const double side : size) {
+    if (side >= 1 && side <= kMaxCalibratedSide) continue;
+    throw std::runtime_error(fmt::format("{}: resolution is {}x{}: allowed are 1x1 to {}x{}", path,
+                                         size[0], size[1], kMaxCalibratedSide, kMaxCalibratedSide));
+  }
   sensor.size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
-  const auto k = numbers(path, file["intrinsics"], "intrinsics", 4);
+  const auto k = numbers(*file, "intrinsics", 4);
   sensor.camera.K = {k[0], 0, k[2], 0, k[1], k[3], 0, 0, 1};
-  sensor.camera.D = numbers(path, file["distortion_coefficients"], "distortion_coefficients", 4);
-  sensor.body_from_sensor =
-      cv::Matx44d(numbers(path, file["T_BS"]["data"], "T_BS data", 16).data());
+  sensor.camera.D = numbers(*file, "distortion_coefficients", 4);
+  const auto body_from_sensor = file->matrix("T_BS", 4, 4);
+  require(body_from_sensor);
+  sensor.body_from_sensor = cv::Matx44d(body_from_sensor->data());
   return sensor;
 }
 

@@ -94,8 +94,6 @@ std::vector<std::string> expand(const std::string& argument) {
 
 }  // namespace
 
-void require_readable(const std::string& path) { open_file(path); }
-
 cv::Mat read_image(const std::string& path) {
   std::vector<unsigned char> bytes = read_bytes(path);
   drop_colour_profile(bytes);

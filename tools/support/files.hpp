@@ -9,9 +9,6 @@
 
 namespace fpga_stereo::tools {
 
-/// Throws unless `path` is a file that can be opened for reading.
-void require_readable(const std::string& path);
-
 /// Returns the image as 8UC1 or 8UC3 (bgr), whichever the file holds; deeper pixels are reduced to
 /// 8 bits.
 cv::Mat read_image(const std::string& path);

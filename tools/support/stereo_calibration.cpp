@@ -1,35 +1,27 @@
 #include "support/stereo_calibration.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
-#include <stdexcept>
+
+#include "core/yaml_mapping.hpp"
+#include "support/program.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
 
 constexpr std::size_t kPlumbBobCoefficients = 5;
 
-/// Reads a matrix; throws unless it has `rows` rows and `cols` columns.
-cv::Mat1d read_matrix(const std::string& path, const cv::FileStorage& file, const std::string& name,
-                      int rows, int cols) {
-  const cv::FileNode node = file[name];
-  const cv::Mat1d matrix = node.isMap() ? cv::Mat1d(node.mat()) : cv::Mat1d();
-  if (matrix.rows == rows && matrix.cols == cols) return matrix;
-  throw std::runtime_error(fmt::format("{}: {} is {}x{}: allowed {}x{}", path, name, matrix.rows,
-                                       matrix.cols, rows, cols));
+std::vector<double> read_matrix(const YamlMapping& file, const std::string& name, int rows,
+                                int cols) {
+  const auto values = file.matrix(name, rows, cols);
+  require(values);
+  return *values;
 }
 
-cv::FileStorage open_yaml(const std::string& path) {
-  cv::FileStorage file;
-  try {
-    file.open(path, cv::FileStorage::READ);
-  } catch (const cv::Exception& e) {
-    throw std::runtime_error(fmt::format("{}: is not valid YAML: {}", path, e.err));
-  }
-  if (!file.isOpened()) throw std::runtime_error(path + ": cannot be read");
-  return file;
+YamlMapping read_yaml(const std::string& path) {
+  const auto file = YamlMapping::read(path, "a calibration of OpenCV");
+  require(file);
+  return *file;
 }
 
 }  // namespace
@@ -58,16 +50,13 @@ StereoCalibration rectified_calibration(cv::Size size, const Intrinsics& left,
 }
 
 StereoCalibration read_opencv_calibration(const std::string& folder, cv::Size size) {
-  const std::string intrinsics = folder + "/intrinsics.yml",
-                    extrinsics = folder + "/extrinsics.yml";
-  const cv::FileStorage in = open_yaml(intrinsics), ex = open_yaml(extrinsics);
+  const YamlMapping in = read_yaml(folder + "/intrinsics.yml");
+  const YamlMapping ex = read_yaml(folder + "/extrinsics.yml");
   const auto camera = [&](const std::string& number) {
-    const cv::Mat1d D = read_matrix(intrinsics, in, "D" + number, 1, kPlumbBobCoefficients);
-    const Intrinsics found{cv::Matx33d(read_matrix(intrinsics, in, "M" + number, 3, 3)),
-                           {D.begin(), D.end()}};
-    return make_calibration(size, found,
-                            cv::Matx33d(read_matrix(extrinsics, ex, "R" + number, 3, 3)),
-                            cv::Matx34d(read_matrix(extrinsics, ex, "P" + number, 3, 4)));
+    const Intrinsics found{cv::Matx33d(read_matrix(in, "M" + number, 3, 3).data()),
+                           read_matrix(in, "D" + number, 1, kPlumbBobCoefficients)};
+    return make_calibration(size, found, cv::Matx33d(read_matrix(ex, "R" + number, 3, 3).data()),
+                            cv::Matx34d(read_matrix(ex, "P" + number, 3, 4).data()));
   };
   return {camera("1"), camera("2")};
 }
