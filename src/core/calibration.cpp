@@ -108,6 +108,16 @@ Status validate_size(const CameraCalibration& camera, const std::string& name) {
   return {};
 }
 
+/// Refuses a rectification that leaves the image black: the calibration is damaged.
+Status check_coverage(const MeshDeviation& mesh, cv::Size size, const std::string& name) {
+  constexpr std::int64_t kMinPercent = 1;
+  const std::int64_t all = std::int64_t{size.width} * size.height;
+  if (mesh.pixels * 100 >= all * kMinPercent) return {};
+  return error(ErrorKind::kCalibration,
+               "{} camera: {} of {} rectified pixels lie in the raw image: allowed is {} % or more",
+               name, mesh.pixels, all, kMinPercent);
+}
+
 }  // namespace
 
 cv::Size CameraCalibration::image_size() const {
@@ -262,16 +272,19 @@ Result<StereoRectification> make_stereo_rectification(const CameraCalibration& l
   auto left_rectification = make_rectification(exact_map(left), size, size, "left");
   if (!left_rectification) return left_rectification.error();
   pair.left = *left_rectification;
+  if (Status s = check_coverage(pair.left.deviation, size, "left"); !s) return s.error();
   auto right_rectification =
       make_rectification(exact_map(right, min_disparity), size, size, "right");
   if (!right_rectification) return right_rectification.error();
   pair.right = *right_rectification;
-  pair.right_unshifted = pair.right.mesh;
+  CameraRectification unshifted = pair.right;
   if (min_disparity != 0) {
-    auto unshifted = make_rectification(exact_map(right), size, size, "right");
-    if (!unshifted) return unshifted.error();
-    pair.right_unshifted = unshifted->mesh;
+    auto made = make_rectification(exact_map(right), size, size, "right");
+    if (!made) return made.error();
+    unshifted = std::move(*made);
   }
+  if (Status s = check_coverage(unshifted.deviation, size, "right"); !s) return s.error();
+  pair.right_unshifted = std::move(unshifted.mesh);
   return pair;
 }
 

@@ -60,7 +60,6 @@ Result<CameraRectification> make_rectification(const ExactMap& map, cv::Size rec
 MeshDeviation mesh_deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw) {
   MeshDeviation result;
   double sum = 0;
-  std::int64_t count = 0;
   for (int y = 0; y < mesh.size.height; ++y) {
     const MeshRow row(mesh, y);
     for (int x = 0; x < mesh.size.width; ++x) {
@@ -74,10 +73,10 @@ MeshDeviation mesh_deviation(const Mesh& mesh, const ExactMap& map, cv::Size raw
         result.max_at = {x, y};
       }
       sum += distance * distance;
-      ++count;
+      ++result.pixels;
     }
   }
-  if (count > 0) result.rms = std::sqrt(sum / static_cast<double>(count));
+  if (result.pixels > 0) result.rms = std::sqrt(sum / static_cast<double>(result.pixels));
   return result;
 }
 

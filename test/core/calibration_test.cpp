@@ -284,6 +284,34 @@ TEST(CalibrationRefusal, Baseline) {
   expect_refused(kLeft, ideal_camera(25), {"right camera_info P[3] = 25", "swapped"});
 }
 
+TEST(CalibrationRefusal, CameraThatSeesNothing) {
+  for (const int min_disparity : {0, 100}) {
+    SCOPED_TRACE(min_disparity);
+    CameraCalibration left = kLeft, right = kRight;
+    left.K[5] += 0.5;  // the last row is outside, and no row is on the edge
+    right.K[5] += 0.5;
+    for (const double shift : {158.0, 159.0}) {  // 2 and 1 columns of 160
+      left.K[2] = kLeft.K[2] + shift;
+      right.K[2] = kRight.K[2] + shift;
+      const auto both = make_stereo_rectification(left, right, min_disparity);
+      const auto one = make_stereo_rectification(kLeft, right, min_disparity);
+      if (shift == 158) {
+        EXPECT_TRUE(both && one);
+        continue;
+      }
+      ASSERT_FALSE(both || one);
+      EXPECT_EQ(both.error().kind, ErrorKind::kCalibration);
+      EXPECT_EQ(
+          both.error().message,
+          "left camera: 119 of 19200 rectified pixels lie in the raw image: allowed is 1 % or "
+          "more");
+      EXPECT_EQ(one.error().message,
+                "right camera: 119 of 19200 rectified pixels lie in the raw image: allowed is 1 % "
+                "or more");
+    }
+  }
+}
+
 using CalibrationData = DataTest;
 
 TEST_F(CalibrationData, EurocGeometry) {

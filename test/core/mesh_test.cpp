@@ -137,6 +137,7 @@ TEST(MeshDeviation, ByHand) {
   EXPECT_DOUBLE_EQ(d.max, 0.5);
   EXPECT_DOUBLE_EQ(d.rms, 0.05);
   EXPECT_EQ(d.max_at, cv::Point(3, 4));
+  EXPECT_EQ(d.pixels, 100);
 }
 
 TEST(MeshDeviation, IgnoresSourcesOutsideTheRawImage) {
@@ -145,6 +146,7 @@ TEST(MeshDeviation, IgnoresSourcesOutsideTheRawImage) {
   const MeshDeviation d = mesh_deviation(mesh, map, {10, 10});
   EXPECT_DOUBLE_EQ(d.max, 0.25);
   EXPECT_DOUBLE_EQ(d.rms, 0.25);
+  EXPECT_EQ(d.pixels, 60);
 }
 
 using MeshData = DataTest;

@@ -62,7 +62,8 @@ using ExactMap = std::function<cv::Point2d(double x, double y)>;
 struct MeshDeviation {
   double max = 0;
   double rms = 0;
-  cv::Point max_at;  // rectified pixel with the maximum
+  cv::Point max_at;         // rectified pixel with the maximum
+  std::int64_t pixels = 0;  // that the numbers are about
 };
 
 /// What a mesh needs of the board's line buffer, which is circular: one raw pixel enters and one
@@ -124,7 +125,8 @@ Result<StereoGeometry> make_stereo_geometry(const CameraCalibration& left,
                                             const CameraCalibration& right);
 
 /// Computes the rectification of a camera pair. Refuses what make_stereo_geometry() and
-/// make_rectification() refuse.
+/// make_rectification() refuse, and a camera of which less than 1 % of the rectified image lies in
+/// the raw image.
 Result<StereoRectification> make_stereo_rectification(const CameraCalibration& left,
                                                       const CameraCalibration& right,
                                                       int min_disparity);
