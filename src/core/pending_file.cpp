@@ -57,6 +57,8 @@ PendingFile::~PendingFile() {
 
 std::string PendingFile::temporary(const std::string& path) { return resolved(path) + ".new"; }
 
+PendingFile PendingFile::take_over(const std::string& path) { return PendingFile(resolved(path)); }
+
 Result<PendingFile> PendingFile::write(const std::string& path, const std::string& text) {
   const std::string target = resolved(path);
   std::error_code failed;

@@ -15,6 +15,8 @@ class PendingFile {
   static Result<PendingFile> write(const std::string& path, const std::string& text);
   /// Returns the name of the temporary file.
   static std::string temporary(const std::string& path);
+  /// Takes over a temporary file that a crash has left.
+  static PendingFile take_over(const std::string& path);
 
   PendingFile(PendingFile&& other) noexcept;
   PendingFile& operator=(PendingFile&&) = delete;

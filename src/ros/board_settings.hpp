@@ -23,7 +23,7 @@ struct BoardSettings {
   bool topic_input = false;       // the board computes pairs from topics, not from its cameras
   cv::Size image_size{640, 480};  // px, of the board's cameras until they are calibrated
   std::string frame_id;           // of the board's images
-  /// Calibration files. Empty: camera_info_manager's default for a board, the topic camera_info for
+  /// Calibration files. Empty: CalibrationStore's default for a board, the topic camera_info for
   /// images from topics.
   std::string left_url, right_url;
   double mid_exposure_ms = 0;    // from mid-exposure to the first pixel

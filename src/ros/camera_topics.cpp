@@ -2,17 +2,12 @@
 
 #include <utility>
 
-#include "ros/calibration_url.hpp"
 #include "ros/conversions.hpp"
 
 namespace fpga_stereo {
 namespace {
 
-using camera_info_manager::CameraInfoManager;
-
-const std::array<std::string, 2> kSides{"left", "right"};
-/// What an empty URL means to the manager.
-const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
+std::string name_of(Side side) { return side == Side::kLeft ? "left" : "right"; }
 
 }  // namespace
 
@@ -22,22 +17,44 @@ CameraTopics::CameraTopics(const ros::NodeHandle& nh, const BoardSettings& setti
       changed_(std::move(changed)),
       nh_(nh),
       advertiser_(nh, changed_),
-      calibration_prefix_(calibration_prefix(nh.getNamespace())) {}
+      store_(calibration_prefix(nh.getNamespace()), {settings.left_url, settings.right_url}) {}
 
-CameraTopics::Camera CameraTopics::advertise(std::size_t side) {
+CameraTopics::Camera CameraTopics::advertise(Side side) {
   const ros::SubscriberStatusCallback on_info = [this](const auto&) { changed_(); };
-  const std::string& url = side == 0 ? settings_.left_url : settings_.right_url;
-  const std::string name = calibration_prefix_ + kSides[side];
+  const std::string name = name_of(side);
   Camera camera;
-  camera.manager =
-      std::make_unique<CameraInfoManager>(ros::NodeHandle(nh_, kSides[side]), name, url);
-  // The manager reads the file only if we cannot: it warns about a camera that is called otherwise.
-  const auto read = read_calibration_url(url.empty() ? kDefaultUrl : url, name);
-  if (read) camera.manager->setCameraInfo(to_camera_info(*read, {}));
-  camera.images = advertiser_.advertise(kSides[side] + "/image_raw", ImageKind::kEightBit);
-  camera.infos =
-      nh_.advertise<sensor_msgs::CameraInfo>(kSides[side] + "/camera_info", 1, on_info, on_info);
+  camera.images = advertiser_.advertise(name + "/image_raw", ImageKind::kEightBit);
+  camera.infos = nh_.advertise<sensor_msgs::CameraInfo>(name + "/camera_info", 1, on_info, on_info);
+  using Call = sensor_msgs::SetCameraInfo;
+  const boost::function<bool(Call::Request&, Call::Response&)> on_call =
+      [this, side](Call::Request& request, Call::Response& response) {
+        set_calibration(side, request.camera_info, response);
+        return true;
+      };
+  camera.set_info = nh_.advertiseService(name + "/set_camera_info", on_call);
   return camera;
+}
+
+void CameraTopics::set_calibration(Side side, const sensor_msgs::CameraInfo& info,
+                                   sensor_msgs::SetCameraInfoResponse& response) {
+  const auto camera = to_calibration(info, name_of(side));
+  const auto stored =
+      camera ? store_.set(side, *camera, image_size()) : Result<std::string>(camera.error());
+  response.success = stored ? 1 : 0;
+  response.status_message = stored ? *stored : stored.error().message;
+  if (stored) {
+    ROS_INFO_STREAM_NAMED("stereo", response.status_message);
+  } else {
+    ROS_ERROR_STREAM_NAMED("stereo", "set_camera_info is refused: " << response.status_message);
+  }
+}
+
+cv::Size CameraTopics::image_size() const {
+  {
+    const MutexLock lock(mutex_);
+    if (seen_size_) return *seen_size_;
+  }
+  return calibration().left.image_size();
 }
 
 void CameraTopics::set_advertised(bool is_advertised) {
@@ -47,8 +64,14 @@ void CameraTopics::set_advertised(bool is_advertised) {
   }
   // Without the lock: advertising and withdrawing may wait for callbacks that need it.
   std::array<Camera, 2> cameras;
-  if (is_advertised) cameras = {advertise(0), advertise(1)};
+  if (is_advertised) {
+    for (const Error& problem : store_.load()) {
+      ROS_WARN_STREAM_NAMED("stereo", problem.message);
+    }
+    cameras = {advertise(Side::kLeft), advertise(Side::kRight)};
+  }
   const MutexLock lock(mutex_);
+  seen_size_.reset();
   std::swap(cameras_, cameras);
   is_advertised_ = is_advertised;
 }
@@ -64,20 +87,13 @@ CameraTopics::Demand CameraTopics::demand() const {
 }
 
 StereoCalibration CameraTopics::calibration() const {
-  const auto calibration_of = [this](const Camera& camera) {
-    CameraCalibration calibration;
-    if (camera.manager) {
-      const auto info = to_calibration(camera.manager->getCameraInfo(), "board");
-      if (info) calibration = *info;
-    }
-    if (calibration.K[0] == 0) {
-      calibration.width = settings_.image_size.width;
-      calibration.height = settings_.image_size.height;
-    }
-    return calibration;
-  };
-  const MutexLock lock(mutex_);
-  return {calibration_of(cameras_[0]), calibration_of(cameras_[1])};
+  StereoCalibration pair = store_.calibration();
+  for (CameraCalibration* camera : {&pair.left, &pair.right}) {
+    if (camera->K[0] != 0) continue;
+    camera->width = settings_.image_size.width;
+    camera->height = settings_.image_size.height;
+  }
+  return pair;
 }
 
 void CameraTopics::publish(const RawPair& pair) {
@@ -89,6 +105,9 @@ void CameraTopics::publish(const RawPair& pair) {
   std::array<Publishers, 2> publishers;
   {
     const MutexLock lock(mutex_);
+    for (const cv::Mat* image : {&pair.left, &pair.right}) {
+      if (!image->empty()) seen_size_ = image->size();
+    }
     publishers = {Publishers{cameras_[0].images, cameras_[0].infos},
                   Publishers{cameras_[1].images, cameras_[1].infos}};
   }

@@ -2,25 +2,26 @@
 // and set_camera_info.
 #pragma once
 
-#include <camera_info_manager/camera_info_manager.h>
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
+#include <sensor_msgs/SetCameraInfo.h>
 
 #include <array>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "core/thread_safety.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 #include "ros/board_settings.hpp"
+#include "ros/calibration_store.hpp"
 #include "ros/image_output.hpp"
 #include "ros/source_pair.hpp"
 
 namespace fpga_stereo {
 
 /// Advertises the topics only while a board with cameras is connected. Thread-safe; its lock is a
-/// leaf, and it is not held while anything is advertised or published.
+/// leaf, and it is not held while anything is advertised, published or stored.
 class CameraTopics {
  public:
   /// Which topics have subscribers.
@@ -47,22 +48,29 @@ class CameraTopics {
  private:
   /// What is advertised for one camera; all empty while nothing is.
   struct Camera {
-    std::unique_ptr<camera_info_manager::CameraInfoManager> manager;
     image_transport::Publisher images;
     ros::Publisher infos;
+    ros::ServiceServer set_info;
   };
 
-  Camera advertise(std::size_t side);
+  Camera advertise(Side side);
+  /// Answers set_camera_info.
+  void set_calibration(Side side, const sensor_msgs::CameraInfo& info,
+                       sensor_msgs::SetCameraInfoResponse& response) FPGA_STEREO_EXCLUDES(mutex_);
+  /// Returns the size of the cameras' images.
+  cv::Size image_size() const FPGA_STEREO_EXCLUDES(mutex_);
 
   const BoardSettings& settings_;
   const std::function<void()> changed_;
   ros::NodeHandle nh_;
   ImageAdvertiser advertiser_;
-  std::string calibration_prefix_;  // of the names under which calibrations are stored
+  CalibrationStore store_;
 
   mutable Mutex mutex_;
   std::array<Camera, 2> cameras_ FPGA_STEREO_GUARDED_BY(mutex_);  // left, right
   bool is_advertised_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
+  /// Of the last images; nullopt: none yet since the topics were advertised.
+  std::optional<cv::Size> seen_size_ FPGA_STEREO_GUARDED_BY(mutex_);
 };
 
 }  // namespace fpga_stereo

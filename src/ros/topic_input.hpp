@@ -14,6 +14,7 @@
 
 #include "core/thread_safety.hpp"
 #include "ros/arrival_log.hpp"
+#include "ros/calibration_url.hpp"
 #include "ros/camera_info_input.hpp"
 #include "ros/demand.hpp"
 #include "ros/health.hpp"
@@ -23,11 +24,6 @@
 #include "ros/stamp_gate.hpp"
 
 namespace fpga_stereo {
-
-/// Where the calibration files of a pair are; an empty URL means that the topic camera_info has it.
-struct CalibrationUrls {
-  std::string left, right;
-};
 
 /// Subscribes to left|right/image_raw (or image_rect) and left|right/camera_info, those that are
 /// needed and have no calibration file. All messages arrive in one callback queue, one at a time.
@@ -42,7 +38,8 @@ class TopicInput {
     std::function<Status(Side, const sensor_msgs::ImageConstPtr&)> image;
   };
 
-  /// `health` and `gate` must outlive the input.
+  /// An empty URL means that the topic camera_info has the calibration. `health` and `gate` must
+  /// outlive the input.
   TopicInput(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, PairKind kind,
              const SyncSettings& settings, const CalibrationUrls& urls, Health& health,
              StampGate& gate, Callbacks callbacks);

@@ -73,6 +73,17 @@ TEST_F(PendingFiles, OverwriteWhatACrashHasLeft) {
   EXPECT_EQ(contents(at("file")), "new");
 }
 
+TEST_F(PendingFiles, TakeOverWhatACrashHasLeft) {
+  write(at("file"), "old");
+  write(at("file.new"), "new");
+  ASSERT_TRUE(PendingFile::take_over(at("file")).commit());
+  EXPECT_EQ(contents(at("file")), "new");
+  EXPECT_EQ(count_files(), 1U);
+  const Status missing = PendingFile::take_over(at("file")).commit();
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().message, at("file") + ": cannot be written: No such file or directory");
+}
+
 TEST_F(PendingFiles, FollowSymbolicLinksAndKeepTheMode) {
   fs::create_directory(at("a"));
   write(at("a/file"), "old");

@@ -6,6 +6,7 @@
 #include <std_srvs/Trigger.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -73,12 +74,17 @@ class Board : public testing::Test {
              s.source.find(source) != std::string::npos && (!state || s.state == *state);
     });
   }
-  bool calibrate(const std::string& side, const CameraInfo& info) {
+  sensor_msgs::SetCameraInfoResponse set_camera_info(const std::string& side,
+                                                     const CameraInfo& info) {
     sensor_msgs::SetCameraInfo call;
     call.request.camera_info = info;
     const std::string service = rig_.nh().resolveName(side + "/set_camera_info");
-    return ros::service::waitForService(service, ros::Duration(10)) &&
-           ros::service::call(service, call) && call.response.success;
+    EXPECT_TRUE(ros::service::waitForService(service, ros::Duration(10)) &&
+                ros::service::call(service, call));
+    return call.response;
+  }
+  bool calibrate(const std::string& side, const CameraInfo& info) {
+    return set_camera_info(side, info).success != 0;
   }
   void calibrate() {
     ASSERT_TRUE(calibrate("left", pair_.left_info));
@@ -153,6 +159,48 @@ TEST_F(Board, KeepsItsCalibrationWhenReplugged) {
     ASSERT_TRUE(disparity_is_right());
   }
   EXPECT_EQ(status_when(StereoStatus::LINK_STREAMING, "board").source, "board");
+}
+
+TEST_F(Board, KeepsItsCalibrationIfANewOneCannotBeRight) {
+  plug_in();
+  ASSERT_TRUE(disparity_is_right());
+  const auto contents = [](const std::string& side) {
+    std::ostringstream text;
+    text << std::ifstream(line() + "_" + side + ".yaml").rdbuf();
+    return text.str();
+  };
+  const std::string left_file = contents("left"), right_file = contents("right");
+  const auto expect_refused = [&](const std::string& side, const CameraInfo& info,
+                                  const std::string& text) {
+    const auto response = set_camera_info(side, info);
+    EXPECT_FALSE(response.success) << text;
+    EXPECT_EQ(response.status_message, text);
+  };
+  CameraInfo damaged = pair_.left_info;
+  damaged.K[2] = std::nan("");
+  expect_refused("left", damaged, "left camera_info K has a value that is not finite");
+  damaged = pair_.right_info;
+  damaged.width = 4294967295;
+  expect_refused("right", damaged, "right camera_info width = 4294967295: allowed are 0 to 65535");
+  const PairMessages small = synthetic_pair({80, 60}, 12, true);
+  expect_refused("left", small.left_info,
+                 "left camera_info is for images of 80x60: those of the camera are 160x120");
+  expect_refused("right", CameraInfo(),
+                 "right camera is uncalibrated: camera_info K[0] = 0; calibrate it first, for "
+                 "example with camera_calibration");
+  CameraInfo longer = pair_.left_info;
+  longer.P[0] = longer.P[5] = 310;
+  ASSERT_TRUE(calibrate("left", longer)) << "a half is accepted";
+  expect_refused("right", pair_.right_info,
+                 "neither calibration takes effect: fx of left and right camera_info P differ (310 "
+                 "and 300): they must be equal for a rectified pair");
+  EXPECT_TRUE(disparity_is_right());
+  EXPECT_EQ(contents("left"), left_file);
+  EXPECT_EQ(contents("right"), right_file);
+  board_->plug(false);
+  status_when(StereoStatus::LINK_CLOSED);
+  board_->plug(true);
+  EXPECT_TRUE(disparity_is_right());
 }
 
 TEST_F(Board, TakesNoOffenceAtTheCameraNameInAFile) {
