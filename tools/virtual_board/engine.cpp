@@ -56,7 +56,8 @@ void add_wrong(const std::string& text, std::map<std::uint32_t, std::uint32_t>& 
   if (equals == std::string::npos) {
     throw UsageError("--wrong \"" + text + "\": allowed is REGISTER=VALUE");
   }
-  const spec::Register& found = find_register(text.substr(0, equals));
+  const std::string name = text.substr(0, equals);
+  const spec::Register& found = find_register(name);
   wrong[found.address] = parse_value(found.name, text.substr(equals + 1), ~std::uint32_t{0});
 }
 
