@@ -71,8 +71,8 @@ TEST_F(Warnings, AMissingImageTransportIsReplacedByRaw) {
   load();
   Listener<stereo_msgs::DisparityImage> disparity(rig_.nh(), "disparity");
   ASSERT_TRUE(rig_.node_listens());
-  EXPECT_TRUE(is_logged(
-      Log::ERROR, {"image_transport = foo", "cannot be loaded; using raw for left/image_raw"}));
+  EXPECT_TRUE(is_logged(Log::ERROR, {"image_transport = foo",
+                                     "cannot be loaded; using raw for /stereo/left/image_raw"}));
   EXPECT_TRUE(disparity.with_stamp(rig_.publish(synthetic_pair({160, 120}, 12))));
 }
 
