@@ -139,7 +139,7 @@ TEST_F(Hostile, AFloodOfPacketsLogsALineOfEachKind) {
     board_->say(bytes);
     ros::WallDuration(0.1).sleep();
   }
-  EXPECT_LE(log.count() - before, 20U) << "30,000 packets";
+  EXPECT_LE(log.count() - before, 40U) << "30,000 packets; a slow machine takes more than 10 s";
 }
 
 TEST_F(Hostile, AnImpossibleBuildIsRefused) {
