@@ -194,10 +194,12 @@ Error usb_error(int code, const std::string& what) {
     case LIBUSB_ERROR_BUSY:
       return {ErrorKind::kBusy, message + "; another program uses it: stop that program first"};
     case LIBUSB_ERROR_ACCESS:
-      return {ErrorKind::kPermission,
-              message +
-                  "; copy config/70-fpga-stereo.rules of this package to /etc/udev/rules.d, run "
-                  "'udevadm control --reload', and plug the board in again"};
+      return {
+          ErrorKind::kPermission,
+          message +
+              "; copy config/70-fpga-stereo.rules of this package to /etc/udev/rules.d, run "
+              "'udevadm control --reload', and plug the board in again; the file says what to do "
+              "for a board whose EEPROM names another manufacturer than fpga_stereo"};
     case LIBUSB_ERROR_TIMEOUT:
       return {ErrorKind::kIo, message + "; unplug it and plug it in again"};
     default:

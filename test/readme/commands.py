@@ -128,7 +128,7 @@ OTHERS = {
         ("rosrun fpga_stereo board udev > 70-fpga-stereo.rules && "
          "sudo cp 70-fpga-stereo.rules /etc/udev/rules.d/", udev),
         ("sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=usb", reload_udev),
-        ("ftdi_eeprom --flash-eeprom ft232h.conf", eeprom)],
+        ("sudo ftdi_eeprom --flash-eeprom ft232h.conf", eeprom)],
     ("fpga_fw/boards/ulx3s_85f/README.md", "Flash"): [
         (MAKE_BOARD, in_sources("nextpnr-ecp5", "-n")),
         (f"{MAKE_BOARD} program", in_sources("openFPGALoader", "-n")),

@@ -1,5 +1,6 @@
 // Errors of board before it opens a board, and the modes that need no board.
 #include <filesystem>
+#include <sstream>
 
 #include "board_rig.hpp"
 
@@ -74,6 +75,17 @@ TEST_F(BoardUsage, UdevRule) {
   EXPECT_EQ(bytes(at("rules.d/70-fpga-stereo.rules")), printed.out);
   expect_refused("board", board_alone({"udev", "--install", "--folder", at("none")}), 1,
                  {at("none") + "/70-fpga-stereo.rules: cannot be written"});
+}
+
+TEST_F(BoardUsage, UdevRuleIsForBoardsAlone) {
+  std::istringstream rules(bytes(FPGA_STEREO_RULES));
+  int count = 0;
+  for (std::string line; std::getline(rules, line);) {
+    if (line.find("\"6014\"") == std::string::npos) continue;
+    ++count;
+    EXPECT_NE(line.find("ATTR{manufacturer}==\"fpga_stereo\""), std::string::npos) << line;
+  }
+  EXPECT_EQ(count, 1);
 }
 
 TEST_F(BoardUsage, Flash) {

@@ -21,7 +21,9 @@ std::string problem(const link::FoundDevice& device) {
   if (device.description.find("LIBUSB_ERROR_ACCESS") != std::string::npos) {
     return "this user may not open it: run 'rosrun fpga_stereo board udev | sudo tee "
            "/etc/udev/rules.d/70-fpga-stereo.rules' and 'sudo udevadm control --reload', then plug "
-           "the board in again";
+           "the board in again; the rule is for devices whose manufacturer is fpga_stereo, and "
+           "says "
+           "what to do for others";
   }
   return "";
 }
