@@ -1,5 +1,7 @@
 #include "ros/camera_info_input.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/make_shared.hpp>
 #include <utility>
 
@@ -39,15 +41,20 @@ void CameraInfoInput::read_file() {
   const std::string name = calibration_prefix(nh_.getNamespace()) + side_;
   const Result<CameraCalibration> read = read_calibration_url(url_, name);
   if (!read) {
-    ROS_ERROR_STREAM("the " << side_ << " camera is not calibrated: " << read.error().message);
+    const auto line = admit("unusable", fmt::format("the {} camera is not calibrated: {}", side_,
+                                                    read.error().message));
+    if (line) ROS_ERROR_STREAM(*line);
     const MutexLock lock(mutex_);
     trouble_ = read.error().message;
     return;
   }
   ros::Publisher publisher;
   if (has_publisher(topic_)) {
-    ROS_WARN_STREAM("the calibration in " << url_ << " is not published, because " << topic_
-                                          << " has a publisher; this node uses the file");
+    const auto line = admit("not published",
+                            fmt::format("the calibration in {} is not published, because {} has a "
+                                        "publisher; this node uses the file",
+                                        url_, topic_));
+    if (line) ROS_WARN_STREAM(*line);
   } else {
     publisher = nh_.advertise<sensor_msgs::CameraInfo>(side_ + "/camera_info", 1);
   }
@@ -94,10 +101,19 @@ void CameraInfoInput::check_size(const sensor_msgs::Image& image, cv::Size calib
       image.height == static_cast<std::uint32_t>(calibrated.height)) {
     return;
   }
-  ROS_ERROR_STREAM("the images of the " << side_ << " camera are " << image.width << "x"
-                                        << image.height << ", but the calibration in " << url_
-                                        << " is for " << calibrated.width << "x"
-                                        << calibrated.height << ": calibrate at this size");
+  const auto line = admit(
+      "size",
+      fmt::format("the images of the {} camera are {}x{}, but the calibration in {} is for "
+                  "{}x{}: calibrate at this size",
+                  side_, image.width, image.height, url_, calibrated.width, calibrated.height));
+  if (line) ROS_ERROR_STREAM(*line);
+}
+
+std::optional<std::string> CameraInfoInput::admit(const char* cause, const std::string& line) {
+  const MutexLock lock(mutex_);
+  const auto kept_back = log_.admit(cause);
+  if (!kept_back) return std::nullopt;
+  return with_kept_back(line, *kept_back);
 }
 
 std::optional<std::string> CameraInfoInput::trouble() const {

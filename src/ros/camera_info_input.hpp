@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "core/log_limiter.hpp"
 #include "core/thread_safety.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 
@@ -36,6 +37,10 @@ class CameraInfoInput : public message_filters::SimpleFilter<sensor_msgs::Camera
 
  private:
   void read_file() FPGA_STEREO_EXCLUDES(mutex_);
+  /// Returns the line as it is to be logged, or nullopt if it is kept back: a subscriber that comes
+  /// and goes has the file read each time.
+  std::optional<std::string> admit(const char* cause, const std::string& line)
+      FPGA_STEREO_EXCLUDES(mutex_);
   /// Warns once if the file is for images of another size.
   void check_size(const sensor_msgs::Image& image, cv::Size calibrated)
       FPGA_STEREO_EXCLUDES(mutex_);
@@ -49,6 +54,7 @@ class CameraInfoInput : public message_filters::SimpleFilter<sensor_msgs::Camera
   std::optional<std::string> trouble_ FPGA_STEREO_GUARDED_BY(mutex_);
   bool is_size_checked_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
   ros::Publisher publisher_ FPGA_STEREO_GUARDED_BY(mutex_);
+  LogLimiter log_ FPGA_STEREO_GUARDED_BY(mutex_);
 };
 
 }  // namespace fpga_stereo

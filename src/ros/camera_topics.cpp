@@ -42,10 +42,18 @@ void CameraTopics::set_calibration(Side side, const sensor_msgs::CameraInfo& inf
       camera ? store_.set(side, *camera, image_size()) : Result<std::string>(camera.error());
   response.success = stored ? 1 : 0;
   response.status_message = stored ? *stored : stored.error().message;
+  std::optional<std::uint64_t> kept_back;
+  {
+    const MutexLock lock(mutex_);
+    kept_back = log_.admit(stored ? response.status_message : "refused");
+  }
+  if (!kept_back) return;
+  const std::string line =
+      with_kept_back("set_camera_info: " + response.status_message, *kept_back);
   if (stored) {
-    ROS_INFO_STREAM_NAMED("stereo", response.status_message);
+    ROS_INFO_STREAM_NAMED("stereo", line);
   } else {
-    ROS_ERROR_STREAM_NAMED("stereo", "set_camera_info is refused: " << response.status_message);
+    ROS_ERROR_STREAM_NAMED("stereo", line);
   }
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "core/log_limiter.hpp"
 #include "core/thread_safety.hpp"
 #include "fpga_stereo/core/calibration.hpp"
 #include "ros/board_settings.hpp"
@@ -71,6 +72,7 @@ class CameraTopics {
   bool is_advertised_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
   /// Of the last images; nullopt: none yet since the topics were advertised.
   std::optional<cv::Size> seen_size_ FPGA_STEREO_GUARDED_BY(mutex_);
+  LogLimiter log_ FPGA_STEREO_GUARDED_BY(mutex_);  // of set_camera_info
 };
 
 }  // namespace fpga_stereo

@@ -1,5 +1,6 @@
 #include "ros/health.hpp"
 
+#include <fmt/format.h>
 #include <ros/console.h>
 
 #include <algorithm>
@@ -35,20 +36,21 @@ void Health::refused(DropCause cause, const std::string& text) {
 }
 
 void Health::refused(DropCause cause, const StateReport& report) {
-  bool is_new = false;
+  std::optional<std::uint64_t> kept_back;
   {
     const MutexLock lock(mutex_);
     ++dropped_[static_cast<std::size_t>(cause)];
-    // Every late frame has another stamp in its text.
-    is_new = !refusal_ || refusal_->cause != cause ||
-             (cause != DropCause::kStamp && refusal_->report.text != report.text);
-    refusal_ = Refusal{cause, report};
+    refusal_ = report;
+    kept_back =
+        log_.admit(fmt::format("{}, state {}", kDropCauses[static_cast<std::size_t>(cause)].name,
+                               static_cast<int>(report.state)));
   }
-  if (!is_new) return;
+  if (!kept_back) return;
+  const std::string line = with_kept_back(report.text, *kept_back);
   if (severity(report.state) == Severity::kError) {
-    ROS_ERROR_STREAM_NAMED("stereo", report.text);
+    ROS_ERROR_STREAM_NAMED("stereo", line);
   } else {
-    ROS_WARN_STREAM_NAMED("stereo", report.text);
+    ROS_WARN_STREAM_NAMED("stereo", line);
   }
 }
 
@@ -134,8 +136,7 @@ StereoStatus Health::report(bool restart) {
 
 std::optional<StateReport> Health::refusal() const {
   const MutexLock lock(mutex_);
-  if (!refusal_) return std::nullopt;
-  return refusal_->report;
+  return refusal_;
 }
 
 bool Health::has_subscribers() const {

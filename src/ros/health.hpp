@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/log_limiter.hpp"
 #include "core/thread_safety.hpp"
 #include "fpga_stereo/core/pipeline.hpp"
 #include "fpga_stereo/core/result.hpp"
@@ -61,7 +62,7 @@ class Health {
   /// Counts frames dropped on purpose, without an explanation.
   void dropped(DropCause cause, std::uint64_t frames = 1) FPGA_STEREO_EXCLUDES(mutex_);
   /// Counts a refused frame. The report holds until a frame is published or nobody subscribes any
-  /// more; it is logged if it is new, as an error if the user has to act.
+  /// more. Logs one line per cause and state every 10 s, as an error if the user has to act.
   void refused(DropCause cause, const std::string& text) FPGA_STEREO_EXCLUDES(mutex_);
   /// The same, with another state than that of the cause.
   void refused(DropCause cause, const StateReport& report) FPGA_STEREO_EXCLUDES(mutex_);
@@ -84,16 +85,12 @@ class Health {
   bool has_published() const FPGA_STEREO_EXCLUDES(mutex_);
 
  private:
-  struct Refusal {
-    DropCause cause;
-    StateReport report;
-  };
-
   mutable Mutex mutex_;
   std::uint64_t in_ FPGA_STEREO_GUARDED_BY(mutex_) = 0;
   std::uint64_t published_ FPGA_STEREO_GUARDED_BY(mutex_) = 0;
   std::array<std::uint64_t, kDropCauses.size()> dropped_ FPGA_STEREO_GUARDED_BY(mutex_){};
-  std::optional<Refusal> refusal_ FPGA_STEREO_GUARDED_BY(mutex_);
+  std::optional<StateReport> refusal_ FPGA_STEREO_GUARDED_BY(mutex_);
+  LogLimiter log_ FPGA_STEREO_GUARDED_BY(mutex_);
   bool has_subscribers_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
   bool has_published_ FPGA_STEREO_GUARDED_BY(mutex_) = false;
 

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "ros/make_frame.hpp"
-#include "ros/rectification_log.hpp"
 
 namespace fpga_stereo {
 
@@ -72,7 +71,7 @@ Result<StereoFrame> SoftwareSource::make_frame(const Job& job) {
   const auto& cached = rectifications_.get(raw.calibration, parameters.min_disparity);
   if (!cached) return cached.error();
   const StereoRectification& rectification = **cached;
-  if (std::exchange(logged_, &rectification) != &rectification) log_rectification(rectification);
+  log_.note(rectification);
   if (const Status size = check_pair_size(raw, rectification); !size) return size.error();
 
   StereoFrame frame = make_empty_frame(job.pair, job.settings);

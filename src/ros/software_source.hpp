@@ -10,6 +10,7 @@
 #include "fpga_stereo/core/rectification_cache.hpp"
 #include "ros/demand.hpp"
 #include "ros/health.hpp"
+#include "ros/rectification_log.hpp"
 #include "ros/source_pair.hpp"
 #include "ros/stereo_frame.hpp"
 
@@ -54,7 +55,7 @@ class SoftwareSource {
   // Used by the source's thread alone.
   Pipeline pipeline_;
   RectificationCache rectifications_;
-  const StereoRectification* logged_ = nullptr;
+  RectificationLog log_;
 
   Mutex mutex_;
   ConditionVariable wake_;

@@ -3,14 +3,18 @@
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <gtest/gtest.h>
+#include <ros/console.h>
 
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "ros/board_report.hpp"
 #include "ros/conversions.hpp"
 #include "ros/health.hpp"
+#include "ros/rectification_log.hpp"
 #include "ros/rig.hpp"
 
 namespace fpga_stereo::test {
@@ -154,6 +158,53 @@ TEST(Health, ARefusalHoldsUntilAFrameIsPublished) {
   const StereoStatus status = health.report(false);
   EXPECT_EQ(status.dropped_uncalibrated, 1U);
   EXPECT_EQ(status.dropped_link, 1U);
+}
+
+/// Keeps the lines that are logged while it lives.
+class LoggedLines : public ros::console::LogAppender {
+ public:
+  LoggedLines() { ros::console::register_appender(this); }
+  ~LoggedLines() override { ros::console::deregister_appender(this); }
+  LoggedLines(const LoggedLines&) = delete;
+  LoggedLines& operator=(const LoggedLines&) = delete;
+
+  void log(ros::console::Level, const char* text, const char*, const char*, int) override {
+    lines_.emplace_back(text);
+  }
+  const std::vector<std::string>& lines() const { return lines_; }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+TEST(Health, LogsOneLinePerCauseAndState) {
+  const LoggedLines logged;
+  Health health;
+  // A neighbour alternates causes and numbers, and good frames come in between.
+  for (int i = 0; i < 1000; ++i) {
+    const std::string number = std::to_string(i);
+    health.refused(DropCause::kEncoding, "left image with " + number + " bytes");
+    health.refused(DropCause::kCalibration, "left camera_info K[" + number + "]");
+    health.refused(DropCause::kLink, {NodeState::kNoBoard, "no board " + number});
+    health.refused(DropCause::kLink, {NodeState::kBoardUnsuitable, "cannot do " + number});
+    if (i % 3 == 1) health.published({}, 1, 1);
+  }
+  EXPECT_EQ(logged.lines(),
+            (std::vector<std::string>{"left image with 0 bytes", "left camera_info K[0]",
+                                      "no board 0", "cannot do 0"}));
+  EXPECT_EQ(health.refusal()->text, "cannot do 999") << "the status is up to date";
+}
+
+TEST(RectificationLog, LogsOneLineOfAKind) {
+  const LoggedLines logged;
+  RectificationLog log;
+  StereoRectification some, other;
+  some.geometry.cx = 10;
+  for (int i = 0; i < 1000; ++i) log.note(i % 2 == 0 ? some : other);
+  ASSERT_EQ(logged.lines().size(), 2U);
+  EXPECT_EQ(logged.lines()[0].rfind("new rectification: 0x0, f 0.00 px", 0), 0U);
+  EXPECT_EQ(logged.lines()[1].rfind("cx of the left and right camera_info P differ by 10.000", 0),
+            0U);
 }
 
 TEST(Health, KnowsWhetherAFrameHasBeenPublished) {
