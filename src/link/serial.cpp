@@ -21,6 +21,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/printable.hpp"
 #include "link/clock.hpp"
 
 namespace fpga_stereo::link {
@@ -28,6 +29,7 @@ namespace {
 
 /// Chips divide a clock to make a rate. UARTs tolerate an error of about 4 %.
 constexpr double kBaudTolerance = 0.03;
+constexpr std::size_t kMaxNameBytes = 300;  // of a line in a message
 
 class SerialTransport : public Transport {
  public:
@@ -168,7 +170,9 @@ std::string group_of(const std::string& path) {
 
 std::string known_lines() {
   std::string text;
-  for (const auto& line : list_serial()) text += (text.empty() ? "" : ", ") + line.name;
+  for (const auto& line : list_serial()) {
+    text += (text.empty() ? "" : ", ") + printable(line.name, kMaxNameBytes);
+  }
   return text.empty() ? "no serial lines found" : "found: " + text;
 }
 
@@ -228,7 +232,7 @@ std::vector<FoundDevice> list_serial(const std::string& dev) {
         std::error_code none;
         const auto target = fs::canonical(entry->path(), none);
         found.push_back({"serial:" + entry->path().string(),
-                         "serial line " + (none ? file : target.filename().string())});
+                         "serial line " + printable(none ? file : target.filename().string())});
         break;
       }
     }

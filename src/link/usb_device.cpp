@@ -8,6 +8,7 @@
 #include <regex>
 #include <utility>
 
+#include "core/printable.hpp"
 #include "link/ftdi.hpp"
 
 namespace fpga_stereo::link {
@@ -49,7 +50,9 @@ std::string text_of(libusb_device_handle* handle, std::uint8_t index) {
   if (index == 0) return "";
   const int size =
       libusb_get_string_descriptor_ascii(handle, index, text.data(), static_cast<int>(text.size()));
-  return size < 0 ? "" : std::string(text.begin(), text.begin() + size);
+  if (size < 0) return "";
+  // Anybody can write these texts into a device, and they end on terminals.
+  return printable({reinterpret_cast<const char*>(text.data()), static_cast<std::size_t>(size)});
 }
 
 std::vector<Board> find_boards(const UsbContext& context) {

@@ -103,6 +103,10 @@ TEST(Serial, PrefersStableNames) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].name, "serial:" + folder / "serial/by-id/usb-FTDI-if00");
   EXPECT_EQ(found[0].description, "serial line ttyUSB1");
+  fs::create_symlink("gone", folder / "serial/by-id/usb-\x1b[2J");
+  found = link::list_serial(folder.path());
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].description, "serial line usb-\\x1b[2J");
 }
 
 }  // namespace

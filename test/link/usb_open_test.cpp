@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -128,6 +129,20 @@ TEST(Usb, SelectsOneOfTwo) {
   ASSERT_TRUE(one && other);
   expect_bytes(first, *one, 70000, 1);
   expect_bytes(second, *other, 70000, 2);
+}
+
+TEST(Usb, EscapesWhatADeviceSaysAboutItself) {
+  const UsbLine line(options_of("\x1b]0;x\x07", "1-2.3", "\x1b[2Jboard\r\xff"));
+  const auto devices = link::list_devices();
+  const auto found = std::find_if(devices.begin(), devices.end(), [](const auto& device) {
+    return device.name == "usb:port=1-2.3";
+  });
+  ASSERT_NE(found, devices.end());
+  EXPECT_EQ(found->description, "\\x1b[2Jboard\\x0d?, serial number \\x1b]0;x\\x07 at port 1-2.3");
+  const auto transport = open_usb("usb:serial=\\x1b]0;x\\x07");
+  ASSERT_TRUE(transport);
+  EXPECT_EQ(transport->description(), "USB 1-2.3, serial number \\x1b]0;x\\x07");
+  says(error_of("usb:serial=other"), "found: serial number \\x1b]0;x\\x07 at port 1-2.3");
 }
 
 TEST(Usb, NamesWhatIsMissing) {

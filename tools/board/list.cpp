@@ -5,11 +5,14 @@
 #include <iostream>
 
 #include "board/modes.hpp"
+#include "core/printable.hpp"
 #include "fpga_stereo/link/transport.hpp"
 #include "link/serial.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
+
+constexpr std::size_t kMaxNameBytes = 300;
 
 /// Returns why this user cannot open a device, as far as that is known without opening it.
 std::string problem(const link::FoundDevice& device) {
@@ -40,7 +43,7 @@ void list_boards(const Arguments& arguments) {
   if (!parse(line, arguments)) return;
   const auto devices = link::list_devices();
   for (const link::FoundDevice& device : devices) {
-    std::cout << device.name << "  " << device.description << "\n";
+    std::cout << printable(device.name, kMaxNameBytes) << "  " << device.description << "\n";
     if (const std::string why = problem(device); !why.empty()) std::cout << "  " << why << "\n";
   }
   if (devices.empty()) {

@@ -15,6 +15,13 @@ constexpr std::size_t kStatusBytes = 2;
 
 constexpr std::size_t kMaxFifo = 1 << 20;
 
+/// Returns the text without what the emulation of sysfs cannot represent.
+std::string plain(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 }  // namespace
 
 VirtualFt232h::VirtualFt232h(FifoBackend& backend, Options options)
@@ -23,9 +30,9 @@ VirtualFt232h::VirtualFt232h(FifoBackend& backend, Options options)
         identity.vendor = 0x0403;
         identity.product = 0x6014;
         identity.release = 0x0900;
-        identity.manufacturer = "FTDI";
-        identity.product_name = options.product;
-        identity.serial_number = options.serial_number;
+        identity.manufacturer = "fpga_stereo";
+        identity.product_name = plain(options.product);
+        identity.serial_number = plain(options.serial_number);
         identity.port = options.port;
         identity.high_speed = options.high_speed;
         identity.kernel_driver = options.kernel_driver;
