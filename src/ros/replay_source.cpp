@@ -183,16 +183,6 @@ void ReplaySource::note_ability(BoardAbility ability, const std::string& limitat
   callbacks_.changed();
 }
 
-ros::Time ReplaySource::stamp_of(std::uint64_t board_us) {
-  const ros::Time now = ros::Time::now();
-  if (!first_board_us_ || player_->speed() <= 0) {
-    first_board_us_ = board_us;
-    first_stamp_ = now;
-  }
-  const auto passed = static_cast<double>(static_cast<std::int64_t>(board_us - *first_board_us_));
-  return first_stamp_ + ros::Duration(passed * 1e-6 / std::max(player_->speed(), 1e-6));
-}
-
 Result<std::shared_ptr<const ReplaySource::Planned>> ReplaySource::plan(const Recorded& recorded,
                                                                         int min_disparity) const {
   if (!recorded) {
@@ -236,13 +226,19 @@ void ReplaySource::take(const link::RecordingPlayer::Frames& frames) {
   const StereoCalibration calibration = cameras_.calibration();
   const int min_disparity = settings.pipeline.min_disparity;
   if (frames.configuration != recorded_ || !(calibration == calibration_) ||
-      min_disparity != min_disparity_ || !first_board_us_) {
+      min_disparity != min_disparity_ || !has_planned_) {
+    has_planned_ = true;
     recorded_ = frames.configuration;
     calibration_ = calibration;
     min_disparity_ = min_disparity;
     planned_ = plan(recorded_, min_disparity_);
   }
-  const ros::Time stamp = stamp_of(set.timestamp);
+  const auto played = clock_.stamp(set.timestamp, player_->speed(), ros::Time::now());
+  if (!played) {
+    return health_.refused(DropCause::kStamp, "recorded frame dropped: " + played.error().message);
+  }
+  const ros::Time& stamp = *played;
+  if (const auto rewind = rewinds_.note(stamp, std::nullopt)) gate_.restart(*rewind);
   const Result<std::uint64_t> number = gate_.accept(stamp);
   if (!number) {
     return health_.refused(DropCause::kStamp, "recorded frame dropped: " + number.error().message);

@@ -14,6 +14,8 @@
 #include "ros/board_settings.hpp"
 #include "ros/camera_topics.hpp"
 #include "ros/health.hpp"
+#include "ros/replay_clock.hpp"
+#include "ros/rewind_detector.hpp"
 #include "ros/stamp_gate.hpp"
 #include "ros/verifier.hpp"
 
@@ -55,7 +57,6 @@ class ReplaySource : public BoardInput {
   void take(const link::RecordingPlayer::Frames& frames) FPGA_STEREO_EXCLUDES(mutex_);
   /// Returns what made the frames, or why that is not known.
   Result<std::shared_ptr<const Planned>> plan(const Recorded& recorded, int min_disparity) const;
-  ros::Time stamp_of(std::uint64_t board_us);
   /// Notes what the recording provides; logs a change.
   void note_ability(link::BoardAbility ability, const std::string& limitation)
       FPGA_STEREO_EXCLUDES(mutex_);
@@ -71,9 +72,10 @@ class ReplaySource : public BoardInput {
 
   // Used by the thread that plays.
   std::unique_ptr<link::RecordingPlayer> player_;
-  std::optional<std::uint64_t> first_board_us_;
-  ros::Time first_stamp_;
+  ReplayClock clock_;
+  RewindDetector rewinds_;
   // What planned_ was made from.
+  bool has_planned_ = false;
   Recorded recorded_;
   StereoCalibration calibration_;
   int min_disparity_ = 0;

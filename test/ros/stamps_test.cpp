@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "ros/replay_clock.hpp"
 #include "ros/rewind_detector.hpp"
 #include "ros/stamp_gate.hpp"
 
@@ -105,6 +106,46 @@ TEST(RewindDetector, SaysWhatMovedBack) {
   EXPECT_EQ(detector.note(ros::Time(900), std::nullopt), std::nullopt);
   EXPECT_EQ(detector.note(ros::Time(900.5), std::nullopt),
             "the stamps moved back from 1000.000 to 900.500 s");
+}
+
+TEST(ReplayClock, KeepsTheRecordedIntervals) {
+  ReplayClock clock;
+  const ros::Time start(1000, 500);
+  EXPECT_EQ(*clock.stamp(7'000'000, 2, start), start);
+  EXPECT_EQ(*clock.stamp(7'000'000, 2, ros::Time(2000)), start);
+  EXPECT_EQ(*clock.stamp(8'000'000, 2, ros::Time(2000)), ros::Time(1000, 500'000'500));
+  EXPECT_EQ(*clock.stamp(8'000'010, 2, ros::Time(2000)), ros::Time(1000, 500'005'500));
+}
+
+TEST(ReplayClock, FollowsTheTimeIfThereIsNoSpeed) {
+  ReplayClock clock;
+  EXPECT_EQ(*clock.stamp(7'000'000, 0, ros::Time(1000)), ros::Time(1000));
+  EXPECT_EQ(*clock.stamp(9'000'000, 0, ros::Time(1001)), ros::Time(1001));
+  EXPECT_EQ(*clock.stamp(5'000'000, 0, ros::Time(500)), ros::Time(500));
+}
+
+TEST(ReplayClock, BeginsAnewWithABoardThatWasReset) {
+  ReplayClock clock;
+  EXPECT_EQ(*clock.stamp(10'000'000'000, 1, ros::Time(100)), ros::Time(100));
+  EXPECT_EQ(*clock.stamp(10'001'000'000, 1, ros::Time(101)), ros::Time(101));
+  EXPECT_EQ(*clock.stamp(20, 1, ros::Time(102)), ros::Time(102)) << "not 10000 s before 100 s";
+  EXPECT_EQ(*clock.stamp(1'000'020, 1, ros::Time(103)), ros::Time(103));
+}
+
+TEST(ReplayClock, RefusesStampsThatRosCannotRepresent) {
+  for (const double speed : {1e-9, 0.2, 1.0, 1000.0}) {
+    ReplayClock clock;
+    EXPECT_EQ(*clock.stamp(0, speed, ros::Time(1000)), ros::Time(1000));
+    EXPECT_FALSE(clock.stamp(~std::uint64_t{0}, speed, ros::Time(1000))) << speed;
+  }
+  ReplayClock clock;
+  EXPECT_EQ(*clock.stamp(0, 1, ros::Time(1000)), ros::Time(1000));
+  EXPECT_EQ(clock.stamp(3'000'000'000'000'000, 1, ros::Time(1000))->sec, 3'000'001'000U);
+  const auto refused = clock.stamp(5'000'000'000'000'000, 1, ros::Time(1000));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "its board time is 5000000000 s after the first one: allowed are stamps of up to "
+            "4294967295 s");
 }
 
 TEST(StampGate, AcceptsStampsThatRise) {
