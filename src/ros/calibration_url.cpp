@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <ros/package.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 
+#include "core/printable.hpp"
 #include "fpga_stereo/core/camera_info_yaml.hpp"
 
 namespace fpga_stereo {
@@ -30,6 +33,12 @@ bool take_prefix(std::string& text, const std::string& prefix) {
   return true;
 }
 
+bool is_package_name(const std::string& text) {
+  if (text.empty() || std::isalpha(static_cast<unsigned char>(text[0])) == 0) return false;
+  return std::all_of(text.begin(), text.end(),
+                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+}
+
 }  // namespace
 
 std::string calibration_prefix(const std::string& pair_namespace) {
@@ -48,9 +57,11 @@ Result<std::string> path_of_url(const std::string& url, const std::string& name)
   if (take_prefix(path, kPackageScheme)) {
     const std::size_t end = path.find('/');
     const std::string package = path.substr(0, end);
-    const std::string folder = ros::package::getPath(package);
+    // The name becomes a part of rospack's command line.
+    const std::string folder = is_package_name(package) ? ros::package::getPath(package) : "";
     if (end == std::string::npos || folder.empty()) {
-      return Error{ErrorKind::kInvalid, fmt::format("{}: there is no package {}", url, package)};
+      return Error{ErrorKind::kInvalid,
+                   fmt::format("{}: there is no package {}", printable(url), printable(package))};
     }
     return folder + path.substr(end);
   }
@@ -58,7 +69,7 @@ Result<std::string> path_of_url(const std::string& url, const std::string& name)
     return Error{ErrorKind::kInvalid,
                  fmt::format("{}: allowed are file:///PATH, package://PACKAGE/PATH and absolute "
                              "paths",
-                             url)};
+                             printable(url))};
   }
   return path;
 }

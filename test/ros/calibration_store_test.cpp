@@ -284,23 +284,5 @@ TEST_F(CalibrationStoreTest, NamesAFileThatCannotBeUsed) {
   EXPECT_EQ(store_.calibration().right, first_.right);
 }
 
-TEST_F(CalibrationStoreTest, RunsNoCommandInAUrl) {
-  for (const std::string part :
-       {"x;touch EXECUTED;", "$(touch EXECUTED)", "`touch EXECUTED`", "x' ; touch EXECUTED; '",
-        "x|touch EXECUTED", "x\ntouch EXECUTED\n"}) {
-    std::string folder = at(part);
-    const std::string mark = at("executed");
-    folder.replace(folder.find("EXECUTED"), 8, mark);
-    CalibrationStore store("stereo_",
-                           {"file://" + folder + "/${NAME}.yaml", folder + "/${NAME}.yaml"});
-    EXPECT_EQ(store.load().size(), 2U);
-    ASSERT_TRUE(store.set(Side::kLeft, first_.left, kSize)) << part;
-    const auto right = store.set(Side::kRight, first_.right, kSize);
-    ASSERT_TRUE(right) << right.error().message;
-    EXPECT_TRUE(fs::exists(fs::path(folder) / "stereo_left.yaml")) << "the name itself";
-    EXPECT_FALSE(fs::exists(mark)) << part;
-  }
-}
-
 }  // namespace
 }  // namespace fpga_stereo::test
