@@ -22,13 +22,18 @@ function(fpga_stereo_target target)
   endif()
 endfunction()
 
-# fpga_stereo_ros_target(TARGET): as fpga_stereo_target(), for targets that use ROS and this
-# package's generated headers. Those headers are SYSTEM: the compiler does not warn about them.
-function(fpga_stereo_ros_target target)
-  fpga_stereo_target(${target})
+# fpga_stereo_use_ros(TARGET): lets the target include the headers of ROS and those that this package
+# generates. They are SYSTEM: the compiler does not warn about them.
+function(fpga_stereo_use_ros target)
   target_include_directories(${target} SYSTEM PUBLIC
     ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_INCLUDE_DESTINATION} ${catkin_INCLUDE_DIRS})
   add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+endfunction()
+
+# fpga_stereo_ros_target(TARGET): as fpga_stereo_target(), for targets that use ROS.
+function(fpga_stereo_ros_target target)
+  fpga_stereo_target(${target})
+  fpga_stereo_use_ros(${target})
 endfunction()
 
 # fpga_stereo_layer(TARGET LAYER): gives the target an include path with only the headers of its
