@@ -1,6 +1,5 @@
 # Tests of the gateware's end of the link: its modules, and the whole gateware (fs_system).
-add_library(rtl_system_models STATIC models.cpp)
-set_target_properties(rtl_system_models PROPERTIES POSITION_INDEPENDENT_CODE ON)
+fpga_stereo_models(rtl_system_models)
 fpga_stereo_verilate(Crc8 fs_crc32c Bits=8 LIBRARY=rtl_system_models)
 fpga_stereo_verilate(Crc32 fs_crc32c Bits=32 LIBRARY=rtl_system_models)
 fpga_stereo_verilate(PacketFinder fs_packet_finder LIBRARY=rtl_system_models)
