@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/ft232h/usb_types.hpp"
+
 struct _UMockdevIoctlClient;
 struct _UMockdevIoctlData;
 
@@ -18,9 +20,7 @@ namespace fpga_stereo::sim {
 
 class UsbfsDevice {
  public:
-  struct Identity {
-    std::uint16_t vendor = 0, product = 0, release = 0;
-    std::string manufacturer, product_name, serial_number;
+  struct Identity : UsbIdentity {
     std::string port = "1-1";    // on bus 1; hubs on the path are created
     bool high_speed = true;      // bulk packets of 512 bytes, else 64
     bool kernel_driver = false;  // ftdi_sio is bound to the interface
@@ -61,11 +61,6 @@ class UsbfsDevice {
   static constexpr std::uint8_t kIn = 0x81, kOut = 0x02;
   static constexpr int kHold = 1;  // result of control(): no answer
 
-  struct Setup {
-    std::uint8_t type, request;
-    std::uint16_t value, index, length;
-  };
-
   /// A transfer in flight.
   struct Urb {
     std::uint8_t endpoint = 0;
@@ -84,7 +79,7 @@ class UsbfsDevice {
 
   // Hooks, called with the lock held.
   /// Handles a control transfer. Returns 0, -EPIPE to stall it, or kHold to leave it unanswered.
-  virtual int control(const Setup& setup, std::vector<std::uint8_t>& bytes) = 0;
+  virtual int control(const UsbSetup& setup, std::vector<std::uint8_t>& bytes) = 0;
   /// A bulk transfer was submitted.
   virtual void on_submitted() = 0;
   /// The host cleared the halt of an endpoint.

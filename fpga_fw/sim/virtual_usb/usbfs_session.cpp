@@ -69,9 +69,9 @@ int UsbfsDevice::Session::submit(UMockdevIoctlClient* client) {
   const auto u16 = [&](std::size_t at) {
     return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
   };
-  const Setup setup{bytes[0], bytes[1], u16(2), u16(4), u16(6)};
+  const UsbSetup setup{bytes[0], bytes[1], u16(2), u16(4), u16(6)};
   std::vector<std::uint8_t> contents(bytes.begin() + 8, bytes.end());
-  const bool in_data = (setup.type & 0x80) != 0;
+  const bool in_data = setup.is_in();
   if (in_data) contents.clear();
   const int status = device->control(setup, contents);
   if (in_data && contents.size() > setup.length) contents.resize(setup.length);

@@ -7,12 +7,6 @@
 namespace fpga_stereo::sim {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-// Each packet begins with modem status and line status.
-constexpr std::uint8_t kOverrun = 0x02;  // bit of the line status
-constexpr std::size_t kStatusBytes = 2;
-
 constexpr std::size_t kMaxFifo = 1 << 20;
 
 /// Returns the text without what the emulation of sysfs cannot represent.
@@ -24,22 +18,19 @@ std::string plain(std::string text) {
 
 }  // namespace
 
-VirtualFt232h::VirtualFt232h(FifoBackend& backend, Options options)
+VirtualFt232h::VirtualFt232h(FifoBackend& backend, const Options& options)
     : UsbfsDevice([&] {
         Identity identity;
-        identity.vendor = 0x0403;
-        identity.product = 0x6014;
-        identity.release = 0x0900;
-        identity.manufacturer = "fpga_stereo";
-        identity.product_name = plain(options.product);
-        identity.serial_number = plain(options.serial_number);
+        static_cast<UsbIdentity&>(identity) = Ft232h(options).identity();
+        identity.product_name = plain(identity.product_name);
+        identity.serial_number = plain(identity.serial_number);
         identity.port = options.port;
         identity.high_speed = options.high_speed;
         identity.kernel_driver = options.kernel_driver;
         return identity;
       }()),
       backend_(backend),
-      options_(std::move(options)),
+      chip_(options),
       thread_([this] { run(); }) {
   plug();
 }
@@ -58,7 +49,7 @@ void VirtualFt232h::plug() {
   {
     const std::lock_guard lock(mutex());
     seen_ = {};
-    clear_fifo();
+    chip_.power_on();
   }
   UsbfsDevice::plug();
 }
@@ -70,18 +61,22 @@ void VirtualFt232h::wake() {
   woken_.notify_all();
 }
 
-template <class T>
-void VirtualFt232h::set(T& member, T value) {
+template <class Change>
+void VirtualFt232h::apply(const Change& change) {
   const std::lock_guard lock(mutex());
-  member = value;
+  change();
   wake();
 }
 
-void VirtualFt232h::poke() { set(has_work_, true); }
+void VirtualFt232h::poke() {
+  apply([] {});
+}
 
 VirtualFt232h::Seen VirtualFt232h::seen() const {
   const std::lock_guard lock(mutex());
-  return seen_;
+  Seen seen = seen_;
+  static_cast<Ft232h::Seen&>(seen) = chip_.seen();
+  return seen;
 }
 
 void VirtualFt232h::stall_in() {
@@ -96,22 +91,58 @@ void VirtualFt232h::stall_out() {
   if (!urbs(kOut).empty()) finish(urbs(kOut).front(), -EPIPE);
 }
 
-void VirtualFt232h::fail_in(int error) { set(next_error_, error); }
-void VirtualFt232h::fail_every_in(int error) { set(every_error_, error); }
-void VirtualFt232h::report_overrun() { set(has_overrun_, true); }
-void VirtualFt232h::limit_packets(std::size_t payload) { set(payload_limit_, payload); }
-void VirtualFt232h::send_empty(int num_transfers) { set(num_empty_, num_transfers); }
-void VirtualFt232h::hold_requests(bool is_held) { set(are_requests_held_, is_held); }
-void VirtualFt232h::keep_latency(int milliseconds) { set(kept_latency_, milliseconds); }
-
+void VirtualFt232h::fail_in(int error) {
+  apply([&] { next_error_ = error; });
+}
+void VirtualFt232h::fail_every_in(int error) {
+  apply([&] { every_error_ = error; });
+}
+void VirtualFt232h::report_overrun() {
+  apply([&] { chip_.report_overrun(); });
+}
+void VirtualFt232h::limit_packets(std::size_t payload) {
+  apply([&] { chip_.limit_packets(payload); });
+}
+void VirtualFt232h::send_empty(int num_transfers) {
+  apply([&] { num_empty_ = num_transfers; });
+}
+void VirtualFt232h::hold_requests(bool is_held) {
+  apply([&] { are_requests_held_ = is_held; });
+}
+void VirtualFt232h::keep_latency(int milliseconds) {
+  apply([&] { chip_.keep_latency(milliseconds); });
+}
 void VirtualFt232h::fail_request(std::uint8_t request) {
-  const std::lock_guard lock(mutex());
-  failing_requests_.insert(request);
+  apply([&] { chip_.fail_request(request); });
 }
 
-void VirtualFt232h::clear_fifo() {
-  fifo_.clear();
-  fifo_read_ = 0;
+int VirtualFt232h::control(const UsbSetup& setup, std::vector<std::uint8_t>& bytes) {
+  if (are_requests_held_) return kHold;
+  if (setup.type == 0x80 && setup.request == 6 && setup.value >> 8 == 3) {
+    return string_descriptor(setup, bytes);
+  }
+  if (!chip_.handle(setup, bytes)) return -EPIPE;
+  wake();
+  return 0;
+}
+
+int VirtualFt232h::string_descriptor(const UsbSetup& setup,
+                                     std::vector<std::uint8_t>& bytes) const {
+  const UsbIdentity identity = chip_.identity();
+  const std::string texts[] = {identity.manufacturer, identity.product_name,
+                               identity.serial_number};
+  const std::size_t index = setup.value & 0xFF;
+  if (index > 3) return -EPIPE;
+  bytes = {0, 3};
+  if (index == 0) {
+    bytes.insert(bytes.end(), {0x09, 0x04});  // US English
+  } else {
+    for (const char letter : texts[index - 1]) {
+      bytes.insert(bytes.end(), {static_cast<std::uint8_t>(letter), 0});
+    }
+  }
+  bytes[0] = static_cast<std::uint8_t>(bytes.size());
+  return 0;
 }
 
 void VirtualFt232h::on_submitted() {
@@ -128,10 +159,8 @@ void VirtualFt232h::on_halt_cleared(std::uint8_t endpoint) {
 }
 
 void VirtualFt232h::on_reset() {
-  ++seen_.usb_resets;
-  seen_.bit_mode = 0;
+  chip_.usb_reset();
   is_in_halted_ = is_out_halted_ = false;
-  clear_fifo();
 }
 
 void VirtualFt232h::run() {
@@ -146,37 +175,27 @@ void VirtualFt232h::run() {
     if (urbs(kIn).empty() || is_in_halted_) {
       woken_.wait(lock, woken);
     } else {
-      woken_.wait_until(lock, last_sent_ + send_period(*urbs(kIn).front()), woken);
+      woken_.wait_until(lock, chip_.timer_end(), woken);
     }
   }
 }
 
-/// Returns the time between two packets that are not full.
-std::chrono::milliseconds VirtualFt232h::send_period(const Urb& urb) const {
-  const std::chrono::milliseconds latency(seen_.latency_ms);
-  const bool has_data = fifo_read_ < fifo_.size() || !urb.bytes.empty();
-  return has_data ? latency : std::max(latency, options_.idle_period);
-}
-
 /// Reads as many bytes from the backend as the transfers in flight can hold.
 bool VirtualFt232h::fetch(std::unique_lock<std::mutex>& lock) {
-  if (is_in_halted_ || !is_fifo_running()) return false;
-  std::size_t room = 0;
-  for (const auto& urb : urbs(kIn)) room += urb->size - urb->bytes.size();
-  room = std::min(room, kMaxFifo);
-  if (fifo_.size() - fifo_read_ >= room) return false;
-  fifo_.erase(fifo_.begin(), fifo_.begin() + static_cast<std::ptrdiff_t>(fifo_read_));
-  fifo_read_ = 0;
-  std::vector<std::uint8_t> bytes(room - fifo_.size());
+  if (is_in_halted_ || !chip_.is_running()) return false;
+  std::size_t size = 0;
+  for (const auto& urb : urbs(kIn)) size += urb->size - urb->bytes.size();
+  const std::size_t room = chip_.room(std::min(size, kMaxFifo));
+  if (room == 0) return false;
+  std::vector<std::uint8_t> bytes(room);
   lock.unlock();
   bytes.resize(backend_.transmit(bytes.data(), bytes.size()));
   lock.lock();
-  // If the device was unplugged or reset meanwhile, the bytes are lost.
-  if (is_fifo_running()) fifo_.insert(fifo_.end(), bytes.begin(), bytes.end());
+  chip_.push(bytes);
   return !bytes.empty();
 }
 
-/// Fills transfers with packets: full ones, or partial ones when the latency timer expires.
+/// Fills transfers with packets.
 bool VirtualFt232h::send() {
   bool sent = false;
   while (!urbs(kIn).empty() && !is_in_halted_) {
@@ -188,35 +207,18 @@ bool VirtualFt232h::send() {
       sent = true;
       continue;
     }
-    const auto now = Clock::now();
-    if (!append_packet(*urb, now >= last_sent_ + send_period(*urb))) break;
-    last_sent_ = now;
+    if (urb->bytes.empty()) urb->bytes.reserve(urb->size);
+    if (!chip_.append_packet(urb->bytes)) break;
     sent = true;
-    if (urb->bytes.size() % packet_bytes() != 0 || urb->bytes.size() + packet_bytes() > urb->size) {
-      finish(urb, 0);
-    }
+    const std::size_t packet = chip_.packet_bytes();
+    if (urb->bytes.size() % packet != 0 || urb->bytes.size() + packet > urb->size) finish(urb, 0);
   }
   return sent;
 }
 
-bool VirtualFt232h::append_packet(Urb& urb, bool is_timer_expired) {
-  const std::size_t capacity = packet_bytes() - kStatusBytes;
-  const std::size_t limit = payload_limit_ > 0 ? std::min(payload_limit_, capacity) : capacity;
-  const std::size_t payload = std::min(limit, fifo_.size() - fifo_read_);
-  if (payload < limit && !is_timer_expired) return false;
-  const auto overrun = std::exchange(has_overrun_, false) ? kOverrun : std::uint8_t{0};
-  urb.bytes.reserve(urb.size);
-  urb.bytes.push_back(kModem);
-  urb.bytes.push_back(kLine | overrun);
-  const auto begin = fifo_.begin() + static_cast<std::ptrdiff_t>(fifo_read_);
-  urb.bytes.insert(urb.bytes.end(), begin, begin + static_cast<std::ptrdiff_t>(payload));
-  fifo_read_ += payload;
-  return true;
-}
-
 /// Offers the bytes from the host to the backend.
 bool VirtualFt232h::deliver(std::unique_lock<std::mutex>& lock) {
-  if (urbs(kOut).empty() || is_out_halted_ || !is_fifo_running()) return false;
+  if (urbs(kOut).empty() || is_out_halted_ || !chip_.is_running()) return false;
   const UrbPtr urb = urbs(kOut).front();
   urb->is_busy = true;
   lock.unlock();
