@@ -127,6 +127,8 @@ TEST_F(BoardTest, CapturesARecording) {
                        "packets +[0-9]+ good, 0 lost, 0 bad headers, 0 bad "
                        "payloads, 0 bytes skipped"))
       << measured.out;
+  EXPECT_TRUE(has_line(measured.out, "dropped +0 by the board .*, 0 impossible time stamp, .*"))
+      << measured.out;
   for (const std::string folder : {"first", "second"}) {
     const Outcome run =
         board_alone({"capture", replay, "4", "--out", at(folder), "--streams", "disparity,left"});

@@ -48,7 +48,7 @@ Tally::Tally(const FrameSource& source, link::StreamSet streams)
 
 void Tally::add(const ArrivedFrames& frames) {
   for (std::size_t i = 0; i < frames_.size(); ++i) frames_[i] += !frames.set.images[i].empty();
-  for (const Verdict verdict : frames.set.verdicts) ++dropped_[static_cast<std::size_t>(verdict)];
+  for (const Verdict verdict : frames.set.verdicts) ++dropped_[verdict];
   if (frames.stamp && frames.set.verdicts.empty()) {
     latencies_.push_back((frames.at - *frames.stamp) * 1e3);
   }
@@ -82,7 +82,8 @@ std::string Tally::text(const FrameSource& source) const {
   }
   std::string causes;
   for (const auto& [verdict, name] : kCauses) {
-    causes += fmt::format(", {} {}", dropped_[static_cast<std::size_t>(verdict)], name);
+    const auto found = dropped_.find(verdict);
+    causes += fmt::format(", {} {}", found == dropped_.end() ? 0 : found->second, name);
   }
   table.line("dropped", counted(&Counters::frames_dropped), " by the board (link too slow)", causes,
              ", ", end.session.unknown_configurations - start_.session.unknown_configurations,

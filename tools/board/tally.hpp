@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,11 @@ class Tally {
   std::string text(const FrameSource& source) const;
 
  private:
-  static constexpr int kVerdicts = 6;
-
   const link::StreamSet streams_;
   const link::Device::Snapshot start_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::array<std::uint64_t, link::kNumStreams> frames_{};
-  std::array<std::uint64_t, kVerdicts> dropped_{};
+  std::map<link::FrameVerdict, std::uint64_t> dropped_;
   std::vector<double> latencies_;  // ms
 };
 
