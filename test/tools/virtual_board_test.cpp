@@ -113,8 +113,10 @@ TEST_F(VirtualBoard, WrongUsage) {
     expect_refused("virtual_board", run(FPGA_STEREO_VIRTUAL_BOARD, arguments), code, parts);
   };
   const std::string tty = at("tty");
-  refused({}, 2, {"exactly one of --pty and --usb"});
+  refused({}, 2, {"exactly one of --pty, --usb and --gadget"});
+  refused({"--pty", tty, "--gadget"}, 2, {"exactly one of --pty, --usb and --gadget"});
   refused({"--pty", tty, "--", "ls"}, 2, {"allowed for --usb only"});
+  refused({"--gadget", "--", "ls"}, 2, {"allowed for --usb only"});
   refused({"--pty", tty, "--engine", "steam"}, 2, {"\"steam\"", "software"});
   refused({"--pty", tty, "--census", "4"}, 2, {"--census", "census_window_size = \"4\""});
   refused({"--pty", tty, "--wrong", "NAME=1"}, 2, {"no register is called \"NAME\""});

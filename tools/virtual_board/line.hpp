@@ -20,7 +20,8 @@ class Line {
   virtual void plug(bool is_plugged) = 0;
   /// Returns the exit code of the host program when it has ended; nullopt until then.
   virtual std::optional<int> exit_code() { return std::nullopt; }
-  /// Returns the path that the host opens; empty if the line starts the host itself.
+  /// Returns the path that the host opens, or the USB device controller that it is connected to;
+  /// empty if the line starts the host itself.
   virtual std::string path() const { return ""; }
 
   // Faults of USB; other lines ignore them.
@@ -39,5 +40,9 @@ std::unique_ptr<Line> make_pty_line(sim::FaultyBoard& board, const std::string& 
 /// the program was built without umockdev.
 std::unique_ptr<Line> make_usb_line(sim::FaultyBoard& board, const std::string& serial_number,
                                     const std::vector<std::string>& command);
+
+/// Creates a virtual FT232H that the kernel of this machine presents to its USB host. Throws
+/// std::runtime_error, also if this machine cannot be a USB device.
+std::unique_ptr<Line> make_gadget_line(sim::FaultyBoard& board, const std::string& serial_number);
 
 }  // namespace fpga_stereo::tools

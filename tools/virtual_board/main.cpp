@@ -1,4 +1,5 @@
-// virtual_board: a program that acts as a board, on a pseudo terminal or on virtual USB.
+// virtual_board: a program that acts as a board, on a pseudo terminal, on virtual USB or as a USB
+// gadget.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,11 +32,15 @@ CommandLine command_line() {
   line.usage =
       "Usage: virtual_board --pty PATH [options]\n"
       "       virtual_board --usb[=SERIAL] [options] -- COMMAND [ARGUMENTS]\n"
+      "       virtual_board --gadget[=SERIAL] [options]\n"
       "Acts as a board. With --pty it is a serial port: PATH is a symbolic link to a pseudo "
       "terminal,\n"
       "which any program opens as serial:PATH. With --usb it is a virtual FT232H: COMMAND and its\n"
       "children see it instead of the USB devices of this machine; the exit code is that of "
       "COMMAND.\n"
+      "With --gadget it is an FT232H for the host at a USB device controller of this machine; "
+      "that\n"
+      "needs root and the kernel's module usb_f_fs.\n"
       "Ends on Ctrl-C and prints statistics to stderr.\n";
   const auto text = [&](const char* name, const char* value, const char* about) {
     line.options.add_options()(name, po::value<std::string>()->value_name(value), about);
@@ -48,6 +53,9 @@ CommandLine command_line() {
   line.options.add_options()(
       "usb", po::value<std::string>()->value_name("SERIAL")->implicit_value("FS000001"),
       "be a USB device with this serial number");
+  line.options.add_options()(
+      "gadget", po::value<std::string>()->value_name("SERIAL")->implicit_value("FS000001"),
+      "be a USB gadget with this serial number; prints \"ready CONTROLLER\" when it is plugged in");
 
   po::options_description cameras("Cameras (default: none; the host sends the pairs)");
   cameras.add_options()("images", po::value<Strings>()->multitoken()->value_name("LEFT RIGHT"),
@@ -163,22 +171,26 @@ void add_periodic(const po::variables_map& options, Events& events) {
 
 std::unique_ptr<Line> make_line(const po::variables_map& options, sim::FaultyBoard& board,
                                 const Strings& command) {
-  const bool usb = options.count("usb") != 0;
-  if (usb == (options.count("pty") != 0)) throw UsageError("give exactly one of --pty and --usb");
+  const bool pty = options.count("pty") != 0, usb = options.count("usb") != 0;
+  const bool gadget = options.count("gadget") != 0;
+  if (pty + usb + gadget != 1) throw UsageError("give exactly one of --pty, --usb and --gadget");
   if (usb == command.empty()) {
     throw UsageError(usb ? "-- COMMAND is missing: --usb starts the program that uses the board"
                          : "-- COMMAND is allowed for --usb only");
   }
   for (const char* other : {"halt", "empty"}) {
-    if (!usb && options.count(other) != 0) throw UsageError(fmt::format("--{} needs --usb", other));
+    if (pty && options.count(other) != 0) {
+      throw UsageError(fmt::format("--{} needs --usb or --gadget", other));
+    }
   }
   const int max_payload = options["short"].as<int>();
   require_range("--short", max_payload, 0, 510);
-  if (!usb) {
-    if (max_payload != 0) throw UsageError("--short needs --usb");
+  if (pty) {
+    if (max_payload != 0) throw UsageError("--short needs --usb or --gadget");
     return make_pty_line(board, options["pty"].as<std::string>());
   }
-  auto line = make_usb_line(board, options["usb"].as<std::string>(), command);
+  auto line = usb ? make_usb_line(board, options["usb"].as<std::string>(), command)
+                  : make_gadget_line(board, options["gadget"].as<std::string>());
   line->limit_packets(max_payload);
   return line;
 }

@@ -1,23 +1,23 @@
 #include <csignal>
-#include <mutex>
-#include <stdexcept>
 #include <thread>
 
 #include "sim/virtual_usb/virtual_ft232h.hpp"
 #include "support/child.hpp"
 #include "support/interrupt.hpp"
+#include "virtual_board/board_backend.hpp"
 #include "virtual_board/line.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
 
 /// Starts the host program in an environment in which it sees the virtual device.
-class UsbLine : public Line, private sim::FifoBackend {
+class UsbLine : public Line {
  public:
   UsbLine(sim::FaultyBoard& board, const sim::VirtualFt232h::Options& options,
           const std::vector<std::string>& command)
       : board_(board),
-        chip_(*this, options),
+        backend_(board),
+        chip_(backend_, options),
         child_(command, sim::VirtualFt232h::environment(), command[0] + ": no such program") {}
 
   void serve(std::chrono::milliseconds timeout) override {
@@ -45,14 +45,8 @@ class UsbLine : public Line, private sim::FifoBackend {
   }
 
  private:
-  std::size_t receive(const std::uint8_t* bytes, std::size_t size) override {
-    return board_.receive(bytes, size);
-  }
-  std::size_t transmit(std::uint8_t* bytes, std::size_t size) override {
-    return board_.transmit(bytes, size);
-  }
-
   sim::FaultyBoard& board_;
+  BoardBackend backend_;
   sim::VirtualFt232h chip_;
   Child child_;
 };
