@@ -155,7 +155,13 @@ void UsbTransport::overcome_halt() {
 }
 
 bool UsbTransport::clear_halt(std::uint8_t endpoint) {
-  const int code = libusb_clear_halt(device_.handle.get(), endpoint);
+  // A cable that is being pulled refuses this, too, until the hub notices.
+  const auto deadline = Clock::now() + kMaxHalts * kHaltPause;
+  int code = libusb_clear_halt(device_.handle.get(), endpoint);
+  while (code != 0 && code != LIBUSB_ERROR_NO_DEVICE && Clock::now() < deadline) {
+    std::this_thread::sleep_for(kHaltPause);
+    code = libusb_clear_halt(device_.handle.get(), endpoint);
+  }
   if (code == 0) return true;
   const MutexLock lock(mutex_);
   fail(code, ": a halt cannot be cleared");

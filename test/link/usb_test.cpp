@@ -67,6 +67,31 @@ TEST(Usb, RecoversFromHalts) {
   EXPECT_EQ(line.chip.seen().halts_cleared, 3);
 }
 
+// As the kernel does between the moment at which a cable is pulled and that at which its hub
+// notices.
+TEST(Usb, WaitsForTheUnpluggingIfAHaltCannotBeCleared) {
+  for (const bool is_pulled : {false, true}) {
+    UsbLine line;
+    const auto transport = open_usb();
+    ASSERT_TRUE(transport);
+    line.chip.refuse_clearing(EPROTO);
+    line.chip.fail_in(-EPROTO);
+    std::thread hand([&] {
+      std::this_thread::sleep_for(Milliseconds(60));
+      if (is_pulled) line.unplug();
+      line.chip.refuse_clearing(0);
+    });
+    if (is_pulled) {
+      std::uint8_t byte = 0;
+      const auto got = transport->read(&byte, 1, Milliseconds(5000));
+      EXPECT_TRUE(!got && got.error().kind == ErrorKind::kUnplugged) << got.error().message;
+    } else {
+      expect_bytes(line, *transport, 100000, 6);
+    }
+    hand.join();
+  }
+}
+
 TEST(Usb, FailsOnEndlessHaltsUntilRecovery) {
   UsbLine line;
   const auto transport = open_usb();

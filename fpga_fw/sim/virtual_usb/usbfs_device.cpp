@@ -62,6 +62,11 @@ void UsbfsDevice::refuse_claims(int error) {
   claim_error_ = error;
 }
 
+void UsbfsDevice::refuse_clearing(int error) {
+  const std::lock_guard lock(mutex());
+  clear_error_ = error;
+}
+
 void UsbfsDevice::place_devices(const std::string& folder) { UsbTestbed::get().move_to(folder); }
 
 std::vector<std::string> UsbfsDevice::environment() { return UsbTestbed::get().environment(); }

@@ -46,6 +46,8 @@ class UsbfsDevice {
 
   /// Makes claims of the interface fail with this errno; 0 allows them.
   void refuse_claims(int error);
+  /// Makes attempts to clear a halt fail with this errno; 0 allows them.
+  void refuse_clearing(int error);
   /// Allows or forbids users other than root to open the device, as with or without a udev rule.
   void permit(bool others);
 
@@ -107,7 +109,7 @@ class UsbfsDevice {
   std::shared_ptr<Session> session_;  // while plugged in
   std::deque<UrbPtr> no_urbs_;
   int number_ = 0;
-  int claim_error_ = 0;
+  int claim_error_ = 0, clear_error_ = 0;
 };
 
 }  // namespace fpga_stereo::sim

@@ -183,6 +183,7 @@ int UsbfsDevice::Session::answer(UMockdevIoctlClient* client) {
     case USBDEVFS_CLEAR_HALT: {
       const auto endpoint = resolve(arg, 0, sizeof(std::uint32_t));
       if (!endpoint) return -EFAULT;
+      if (device->clear_error_ != 0) return -device->clear_error_;
       device->on_halt_cleared(static_cast<std::uint8_t>(*as<std::uint32_t>(endpoint)));
       return 0;
     }

@@ -40,6 +40,7 @@ class VirtualFt232h : private UsbfsDevice {
   using UsbfsDevice::permit;
   using UsbfsDevice::place_devices;
   using UsbfsDevice::refuse_claims;
+  using UsbfsDevice::refuse_clearing;
   using UsbfsDevice::wait_until_closed;
   void plug();
   void unplug();
