@@ -123,6 +123,8 @@ OTHERS = {
     ("fpga_fw/README.md", "Try it"): [
         ("rosrun fpga_stereo simulate LEFT RIGHT OUT.png --disparity-range 16 --cycles", simulate),
         (f"{MAKE_BOARD} help", in_sources("make program")),
+        ("fpga_fw/syn/place_and_route --seeds 1-8 DISPARITIES=16", in_sources("seeds", "--help")),
+        ("fpga_fw/syn/module_timing fs_input", in_sources("seeds", "--help")),
         ("test/rtl/mutate", in_sources("", "--check"))],
     ("fpga_fw/boards/ulx3s_85f/README.md", "Write the FT232H's EEPROM, once"): [
         ("rosrun fpga_stereo board udev > 70-fpga-stereo.rules && "
