@@ -135,7 +135,8 @@ module fs_frame_tags #(
     end
   end
 
-  (* ram_style = "block" *) logic [31:0] memory[0:8*MaxFrames-1];
+  // A source asks for a frame when its first pixels arrive, long after the tags have been written.
+  (* no_rw_check, ram_style = "block" *) logic [31:0] memory[0:8*MaxFrames-1];
   logic [31:0] memory_q;
   always_ff @(posedge clk_i) begin
     if (write_q != 3'(Words)) memory[{write_frame_q, write_q}] <= write_word;

@@ -81,7 +81,8 @@ module fs_host_input (
   end
 
   // Buffer of the left row.
-  logic [7:0] row[0:2047];
+  // While a byte is written, the next one is read.
+  (* no_rw_check *) logic [7:0] row[0:2047];
   logic [7:0] left_q;
   logic go, take_left, take_right, last_x;
   assign go = ~valid_o | ready_i;

@@ -27,7 +27,8 @@ module fs_ring_reader #(
   output logic [Bits-1:0]    data_o
 );
   localparam int Ahead = 8, OnTheWay = 3;
-  logic [Bits-1:0] ring[0:Words-1];
+  // A word is read in the clock after its write at the earliest; what is read before is discarded.
+  (* no_rw_check *) logic [Bits-1:0] ring[0:Words-1];
   logic [Bits-1:0] ring_q, ring_qq;
   logic [Pointer-1:0] read_q;
   logic read, read_1q, read_2q, unused_ready;
