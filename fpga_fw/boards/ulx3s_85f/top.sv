@@ -150,11 +150,18 @@ module top #(
   localparam int RateBits = $clog2(ClockHz + 1);
   logic streaming, slow_q, pattern_valid, pattern_ready, pattern_sof, pattern_eol;
   logic [7:0] pattern_left, pattern_right;
+  logic made_valid, made_ready;
+  logic [17:0] made;
   test_pattern #(.ClockHz(ClockHz)) u_pattern (
     .clk_i(clk), .rst_ni(rst_n),
     .rate_i(slow_q ? RateBits'(UartBaud / 24) : RateBits'(UsbRate)), .width_i(width),
-    .height_i(height), .valid_o(pattern_valid), .ready_i(pattern_ready), .sof_o(pattern_sof),
-    .eol_o(pattern_eol), .left_o(pattern_left), .right_o(pattern_right)
+    .height_i(height), .valid_o(made_valid), .ready_i(made_ready), .sof_o(made[17]),
+    .eol_o(made[16]), .left_o(made[15:8]), .right_o(made[7:0])
+  );
+  fs_stream_slice #(.Bits(18)) u_made (
+    .clk_i(clk), .rst_ni(rst_n), .valid_i(made_valid), .ready_o(made_ready), .data_i(made),
+    .valid_o(pattern_valid), .ready_i(pattern_ready),
+    .data_o({pattern_sof, pattern_eol, pattern_left, pattern_right})
   );
 
   // Selects the pixels. The selection changes when a frame of the pattern is about to begin; the
@@ -163,6 +170,8 @@ module top #(
   // frame that the pattern interrupts is flagged as cut.
   logic raw_valid, raw_ready, raw_sof, raw_eol;
   logic [7:0] raw_left, raw_right;
+  logic pair_valid, pair_ready;
+  logic [17:0] pair;
   logic pattern_q, pattern_begins, leaves, cameras_pass;
   logic synced_q;  // a frame of the cameras has begun
   assign pattern_begins = pattern_valid & pattern_sof;
@@ -171,6 +180,11 @@ module top #(
   assign {raw_valid, raw_sof, raw_eol, raw_left, raw_right} = pattern_q
       ? {pattern_valid & ~leaves, pattern_sof, pattern_eol, pattern_left, pattern_right}
       : {cameras_valid & cameras_pass, cameras_sof, cameras_eol, cameras_left, cameras_right};
+  fs_stream_slice #(.Bits(18)) u_raw (
+    .clk_i(clk), .rst_ni(rst_n), .valid_i(raw_valid), .ready_o(raw_ready),
+    .data_i({raw_sof, raw_eol, raw_left, raw_right}), .valid_o(pair_valid), .ready_i(pair_ready),
+    .data_o(pair)
+  );
   assign cameras_ready = raw_ready | ~cameras_pass;
   assign pattern_ready = raw_ready & pattern_q & ~leaves;
   always_ff @(posedge clk) begin
@@ -192,8 +206,8 @@ module top #(
   ) u_system (
     .clk_i(clk), .rst_ni(rst_n), .rx_valid_i(rx_valid), .rx_ready_o(rx_ready),
     .rx_data_i(rx_data), .tx_valid_o(tx_valid), .tx_ready_i(tx_ready), .tx_data_o(tx_data),
-    .valid_i(raw_valid), .ready_o(raw_ready), .sof_i(raw_sof), .eol_i(raw_eol),
-    .left_i(raw_left), .right_i(raw_right), .width_o(width), .height_o(height),
+    .valid_i(pair_valid), .ready_o(pair_ready), .sof_i(pair[17]), .eol_i(pair[16]),
+    .left_i(pair[15:8]), .right_i(pair[7:0]), .width_o(width), .height_o(height),
     .streaming_o(streaming)
   );
 

@@ -4,7 +4,8 @@
 // Formula   The middle of the sensors' images: columns from floor((SensorWidth - width_i) / 2) on,
 //           rows from floor((SensorHeight - height_i) / 2) on; the rest is dropped.
 // C++ twin  test/rtl/link/camera_test.cpp
-// Schedule  clock 1: both words are present, are as expected, and move; clock 2: the pair
+// Schedule  clock 1: both words are present, are as expected, and move; where the next pair is in
+//           the window is decided; clock 2: the pair
 // Latency   1 clock after fs_camera
 // Handshake Streams. Each sensor must give frames of exactly SensorHeight lines of exactly
 //           SensorWidth pixels. The first of a pair waits up to MaxSkew clocks for the other.
@@ -57,16 +58,33 @@ module fs_camera_pair #(
   logic synced_q;  // the present words are of one frame, or begin the next
   logic first_q, last_x_q, last_y_q;
   logic [11:0] x_q, y_q;
-  logic [11:0] left, top, left_q, top_q, right_q, bottom_q, height_q;
-  assign left = width_i > 12'(SensorWidth) ? '0 : (12'(SensorWidth) - width_i) >> 1;
-  assign top = height_i > 12'(SensorHeight) ? '0 : (12'(SensorHeight) - height_i) >> 1;
+  // The window: first column and row, and the ones behind the last.
+  logic [11:0] left_q, top_q, end_x_q, end_y_q, lines_in_q;
+  always_ff @(posedge clk_i) begin
+    left_q <= width_i > 12'(SensorWidth) ? '0 : (12'(SensorWidth) - width_i) >> 1;
+    top_q <= height_i > 12'(SensorHeight) ? '0 : (12'(SensorHeight) - height_i) >> 1;
+    end_x_q <= left_q + width_i;
+    end_y_q <= top_q + height_i;
+    lines_in_q <= height_i;
+  end
+  // What the position is compared with, constant within a frame: the column before the left one and
+  // so on. Two flags tell where there is none.
+  logic [11:0] before_left_q, right_q, before_right_q, near_right_q, before_top_q, bottom_q,
+      before_bottom_q, height_q;
+  logic left_is_0_q, top_is_0_q, bottom_is_0_q;
   always_ff @(posedge clk_i) begin
     if (first_q) begin
-      left_q <= left;
-      top_q <= top;
-      right_q <= left + width_i - 12'd1;
-      bottom_q <= top + height_i - 12'd1;
-      height_q <= height_i;
+      left_is_0_q <= left_q == '0;
+      before_left_q <= left_q - 12'd1;
+      right_q <= end_x_q - 12'd1;
+      before_right_q <= end_x_q - 12'd2;
+      near_right_q <= end_x_q - 12'd3;
+      top_is_0_q <= top_q == '0;
+      before_top_q <= top_q - 12'd1;
+      bottom_q <= end_y_q - 12'd1;
+      bottom_is_0_q <= end_y_q == 12'd1;
+      before_bottom_q <= end_y_q - 12'd2;
+      height_q <= lines_in_q;
     end
   end
 
@@ -123,23 +141,50 @@ module fs_camera_pair #(
     end
   end
 
+  // Where the next pair is in the window, decided with the pair before it.
+  logic in_columns_q, at_left_q, at_right_q, near_end_q;  // near_end_q: one or no column before the end
+  logic in_rows_q, at_top_q, at_bottom_q;
+  always_ff @(posedge clk_i) begin
+    if (!rst_ni | fails | starts | (first_q & ~take)) begin
+      in_columns_q <= left_is_0_q;
+      at_left_q <= left_is_0_q;
+      at_right_q <= 1'b0;
+      near_end_q <= 1'b0;
+      in_rows_q <= top_is_0_q;
+      at_top_q <= top_is_0_q;
+      at_bottom_q <= bottom_is_0_q;
+    end else if (take) begin
+      in_columns_q <= last_x_q ? left_is_0_q : x_q == before_left_q |
+                                               (in_columns_q & x_q != right_q);
+      at_left_q <= last_x_q ? left_is_0_q : x_q == before_left_q;
+      at_right_q <= ~last_x_q & x_q == before_right_q;
+      near_end_q <= ~last_x_q & (x_q == before_right_q | x_q == near_right_q);
+      if (last_x_q) begin
+        in_rows_q <= last_y_q ? top_is_0_q : y_q == before_top_q | (in_rows_q & y_q != bottom_q);
+        at_top_q <= last_y_q ? top_is_0_q : y_q == before_top_q;
+        at_bottom_q <= last_y_q ? bottom_is_0_q : y_q == before_bottom_q;
+      end
+    end
+  end
+
   // The window. Its last two pixels are held until the rest of the sensors' frames has arrived.
   logic shown, keeps, corner, kept_q, passes, ends, whole, begins_window, ends_line;
   logic [31:0] kept_data_q;
-  assign shown = x_q >= left_q & x_q <= right_q & y_q >= top_q & y_q <= bottom_q;
-  assign corner = x_q == right_q & y_q == bottom_q;
-  assign keeps = shown & y_q == bottom_q & (x_q == right_q | x_q == right_q - 12'd1);
+  assign shown = in_columns_q & in_rows_q;
+  assign corner = at_right_q & at_bottom_q;
+  assign keeps = shown & at_bottom_q & near_end_q;
   assign passes = take & shown & ~keeps;
   assign ends = take & last_x_q & last_y_q;
   assign whole = ends & (corner | kept_q);
-  assign begins_window = x_q == left_q & y_q == top_q;
-  assign ends_line = x_q == right_q | last_x_q;
+  assign begins_window = at_left_q & at_top_q;
+  assign ends_line = at_right_q | last_x_q;
 
   // End of the frame: the pixels held back, or black pixels in place of lines.
   logic ended_q, black;
   logic [11:0] lines_q;  // lines that have not been output
+  logic lines_left_q;    // there are such
   logic [1:0] tail_q;    // held pixels that may be output
-  assign black = ended_q & lines_q != '0;
+  assign black = ended_q & lines_left_q;
   assign completes = black | tail_q != '0;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
@@ -147,15 +192,23 @@ module fs_camera_pair #(
       kept_q <= 1'b0;
       ended_q <= 1'b0;
       lines_q <= '0;
+      lines_left_q <= 1'b0;
       tail_q <= '0;
       frame_o <= 1'b0;
     end else begin
       if (room) valid_o <= passes | completes;
       kept_q <= ~fails & ~ends & (kept_q | (take & corner));
       ended_q <= fails | ends | (ended_q & ~take);
-      if (whole) lines_q <= '0;
-      else if (passes & begins_window) lines_q <= height_q;
-      else if ((passes & ends_line) | (black & room)) lines_q <= lines_q - 12'd1;
+      if (whole) begin
+        lines_q <= '0;
+        lines_left_q <= 1'b0;
+      end else if (passes & begins_window) begin
+        lines_q <= height_q;
+        lines_left_q <= 1'b1;
+      end else if ((passes & ends_line) | (black & room)) begin
+        lines_q <= lines_q - 12'd1;
+        lines_left_q <= lines_q != 12'd1;
+      end
       if (whole) tail_q <= 2'd2;
       else if (room & tail_q != '0) tail_q <= tail_q - 2'd1;
       frame_o <= ends;

@@ -65,11 +65,10 @@ module fs_cameras #(
     .ready_i(pair_ready), .sof_o(pair_sof), .eol_o(pair_eol), .left_o(pair_left),
     .right_o(pair_right)
   );
-  // Both sides use one clock. This FIFO is used because it is in block RAM.
-  fs_async_fifo #(.Bits(18), .Depth(Depth)) u_fifo (
-    .wr_clk_i(clk_i), .wr_rst_ni(rst_ni), .wr_valid_i(pair_valid), .wr_ready_o(pair_ready),
-    .wr_data_i({pair_sof, pair_eol, pair_left, pair_right}), .rd_clk_i(clk_i), .rd_rst_ni(rst_ni),
-    .rd_valid_o(valid_o), .rd_ready_i(ready_i), .rd_data_o({sof_o, eol_o, left_o, right_o})
+  fs_block_fifo #(.Bits(18), .Depth(Depth)) u_fifo (
+    .clk_i, .rst_ni, .valid_i(pair_valid), .ready_o(pair_ready),
+    .data_i({pair_sof, pair_eol, pair_left, pair_right}), .valid_o, .ready_i,
+    .data_o({sof_o, eol_o, left_o, right_o})
   );
 
   always_ff @(posedge clk_i) begin

@@ -99,9 +99,15 @@ module fs_frame_source #(
     room_o <= rst_ni & used_q <= (Bits + 1)'(RingWords - Slack) & few_packets;
   end
 
+  logic read_valid, read_ready, read_last;
+  logic [31:0] read_word;
   fs_frame_reader #(.Stream(Stream), .PixelBits(PixelBits)) u_reader (
     .clk_i, .rst_ni, .kind_valid_i(kind_valid), .kind_ready_o(kind_ready), .kind_i(kind),
     .valid_i(head_valid), .ready_o(head_ready), .word_i(head),
-    .valid_o, .ready_i, .word_o, .last_o
+    .valid_o(read_valid), .ready_i(read_ready), .word_o(read_word), .last_o(read_last)
+  );
+  fs_stream_slice #(.Bits(33)) u_out (
+    .clk_i, .rst_ni, .valid_i(read_valid), .ready_o(read_ready), .data_i({read_last, read_word}),
+    .valid_o, .ready_i, .data_o({last_o, word_o})
   );
 endmodule

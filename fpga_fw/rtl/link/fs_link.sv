@@ -89,9 +89,11 @@ module fs_link #(
     .intact_o(intact), .bad_o(bad), .lost_o(lost), .lost_count_o(lost_count)
   );
   logic of_frame, commands_ready, commands_done, input_ready, input_done;
-  assign of_frame = version == fs_pkg::LinkVersion &
-                    (kind == fs_pkg::PacketLeader | kind == fs_pkg::PacketRows |
-                     kind == fs_pkg::PacketTrailer);
+  // A clock late: the header is complete before its packet is announced.
+  always_ff @(posedge clk_i)
+    of_frame <= version == fs_pkg::LinkVersion &
+                (kind == fs_pkg::PacketLeader | kind == fs_pkg::PacketRows |
+                 kind == fs_pkg::PacketTrailer);
   assign byte_ready = of_frame ? input_ready : commands_ready;
   assign done = commands_done | input_done;
 
@@ -134,8 +136,8 @@ module fs_link #(
   );
 
   // Input: the cameras or the host.
-  logic from_host, held, open, input_valid, input_pixel_ready;
-  logic [17:0] input_pixel;
+  logic from_host, held, open, input_valid, input_pixel_ready, selected_valid, selected_ready;
+  logic [17:0] input_pixel, selected;
   logic [63:0] host_id, host_time;
   if (TakesInput) begin : g_input
     fs_host_input u_host_input (
@@ -165,6 +167,10 @@ module fs_link #(
     .host_o(from_host), .held_o(held),
     .camera_valid_i, .camera_ready_o, .camera_i,
     .input_valid_i(input_valid), .input_ready_o(input_pixel_ready), .input_i(input_pixel),
+    .valid_o(selected_valid), .ready_i(selected_ready), .data_o(selected)
+  );
+  fs_stream_slice #(.Bits(18)) u_pixels (
+    .clk_i, .rst_ni, .valid_i(selected_valid), .ready_o(selected_ready), .data_i(selected),
     .valid_o(pixels_valid_o), .ready_i(pixels_ready_i), .data_o(pixels_o)
   );
 
