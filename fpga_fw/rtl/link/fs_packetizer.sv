@@ -5,7 +5,10 @@
 // Words     a client sends {stream, flags, type, version}, {index, length}, frame_id low, high,
 //           timestamp low, high, payload, and marks the last word of the packet. In packets other
 //           than leaders the timestamp is replaced by the board's clock.
-// Schedule  a client is selected 2 clocks after the end of a packet, then one word per clock
+// Schedule  a client is selected 3 clocks after the end of a packet, then one word per clock:
+//             1  the client's word, in a register slice
+//             2  the word of the packet, or the place of a CRC
+//             3  CRC, into the FIFO
 // Handshake Streams in and out. A client's packet is not interrupted: it should have its words
 //           ready. Clients 0 .. First - 1 have priority, in this order; the others take turns.
 module fs_packetizer #(
@@ -29,103 +32,126 @@ module fs_packetizer #(
   logic [Clients-1:0] turn_q;
   logic [1:0] tag_q;          // index among the words of frame_id and timestamp
   logic leader_q, empty_q;
-  logic [31:0] sequence_q, crc_q, crc, word;
+  logic [31:0] sequence_q, word;
   logic [63:0] time_q;
 
   // Selects a client: the lowest of the first ones; of the others, the next after the last served.
-  logic [Clients-1:0] wanted, above, chosen, served_q;
+  // The clients that want a turn are registered; once valid, they stay so until they are served.
+  logic [Clients-1:0] wanted_q, above_q, chosen, served_q, served_d;
+  logic looked_q;  // wanted_q and above_q are of clients after the last packet
   always_comb begin
-    wanted = valid_i;
-    for (int k = First; k < Clients; k++)
-      if (|valid_i[First-1:0]) wanted[k] = 1'b0;
-    above = wanted & ~served_q;
-    chosen = above != '0 & wanted[First-1:0] == '0 ? above & (~above + 1'b1)
-                                                   : wanted & (~wanted + 1'b1);
+    for (int k = 0; k < Clients; k++) begin
+      // The lowest one, without an adder; served_d: up to the chosen one.
+      chosen[k] = wanted_q[First-1:0] == '0 & above_q != '0
+          ? above_q[k] & (above_q & Clients'((1 << k) - 1)) == '0
+          : wanted_q[k] & (wanted_q & Clients'((1 << k) - 1)) == '0;
+      served_d[k] = |(chosen >> k);
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    wanted_q <= valid_i;
+    above_q <= valid_i & ~served_q;
+    looked_q <= rst_ni & state_q == Idle & ~looked_q;
   end
 
-  // The client's word, registered.
-  logic client_q, client_last_q, fetch, use_word, have_q;
-  logic [31:0] client_word, client_word_q;
-  logic client_valid, client_last;
+  // The client's word. The clients see a register as ready.
+  logic client_q, client_valid, client_last, fetch, fetches, have, use_word, word_last;
+  logic [31:0] client_word, packet_word;
   always_comb begin
     client_word = '0;
     for (int k = 0; k < Clients; k++)
       client_word = client_word | (turn_q[k] ? word_i[32*k+:32] : '0);
-    client_valid = |(turn_q & valid_i);
+    client_valid = client_q & |(turn_q & valid_i);
     client_last = |(turn_q & last_i);
   end
-  assign fetch = client_q & client_valid & (~have_q | use_word);
-  assign ready_o = fetch ? turn_q : '0;
+  assign fetch = client_valid & fetches;
+  assign ready_o = turn_q & {Clients{client_q & fetches}};
+  fs_stream_slice #(.Bits(33)) u_word (
+    .clk_i, .rst_ni, .valid_i(client_valid), .ready_o(fetches),
+    .data_i({client_last, client_word}), .valid_o(have), .ready_i(use_word),
+    .data_o({word_last, packet_word})
+  );
 
-  logic room, emit;
+  logic room_q, emit, is_crc;
   always_comb begin
     use_word = 1'b0;
     emit = 1'b0;
-    word = client_word_q;
+    is_crc = 1'b0;
+    word = packet_word;
     case (state_q)
       Sync: begin
-        emit = room;
+        emit = room_q;
         word = fs_pkg::LinkSync;
       end
-      Kind, Length, Payload: begin
-        emit = room & have_q;
+      Kind, Length: begin
+        emit = room_q & have;
         use_word = emit;
       end
       Sequence: begin
-        emit = room;
+        emit = room_q;
         word = sequence_q;
       end
       Tags: begin
-        emit = room & have_q;
+        emit = room_q & have;
         use_word = emit;
         if (tag_q[1] & ~leader_q) word = tag_q[0] ? time_q[63:32] : time_q[31:0];
       end
       HeaderCrc: begin
-        emit = room;
-        word = ~crc_q;
+        emit = room_q;
+        is_crc = 1'b1;
       end
-      default: ;
+      Payload: begin
+        emit = room_q & (have | payload_crc_q);
+        use_word = room_q & have & ~payload_crc_q;
+        is_crc = payload_crc_q;
+      end
+      default: ;  // Idle
     endcase
-    if (payload_crc_q) begin
-      emit = room;
-      use_word = 1'b0;
-      word = ~crc_q;
-    end
   end
 
-  logic unused_residue, header_starts;
-  assign header_starts = state_q == Sync | state_q == HeaderCrc;
+  // The word goes out, or the CRC in its place. The CRC of the payload starts with the header's.
+  logic emit_q, is_crc_q, starts_q, unused_residue, unused_ready;
+  logic [31:0] word_q, crc_q, crc, out;
+  logic [4:0] count;
+  assign out = is_crc_q ? ~crc_q : word_q;
   fs_crc32c #(.Bits(32)) u_crc (
-    .crc_i(header_starts ? '1 : crc_q), .data_i(word), .crc_o(crc), .residue_o(unused_residue)
+    .crc_i(starts_q ? '1 : crc_q), .data_i(out), .crc_o(crc), .residue_o(unused_residue)
+  );
+  fs_stream_fifo #(.Bits(32), .Depth(16)) u_out (
+    .clk_i, .rst_ni, .valid_i(emit_q), .ready_o(unused_ready), .data_i(out),
+    .valid_o, .ready_i, .data_o(word_o), .count_o(count)
   );
   always_ff @(posedge clk_i) begin
-    if (fetch) begin
-      client_word_q <= client_word;
-      client_last_q <= client_last;
-    end
-    if (emit) crc_q <= crc;
+    // Two words may be on the way when the FIFO's count is read.
+    room_q <= rst_ni & count <= 5'd12;
+    emit_q <= rst_ni & emit;
+    word_q <= word;
+    is_crc_q <= is_crc;
+    starts_q <= state_q == Sync | state_q == HeaderCrc;
+    if (emit_q) crc_q <= crc;
+  end
+
+  always_ff @(posedge clk_i) begin
     if (state_q == Sync) time_q <= us_i;
-    if (state_q == Kind & use_word) leader_q <= client_word_q[15:8] == fs_pkg::PacketLeader;
-    if (state_q == Tags & use_word) empty_q <= client_last_q;
+    if (state_q == Kind & use_word) leader_q <= packet_word[15:8] == fs_pkg::PacketLeader;
+    if (state_q == Tags & use_word) empty_q <= word_last;
     if (!rst_ni) begin
       state_q <= Idle;
       turn_q <= '0;
       served_q <= '0;
       client_q <= 1'b0;
-      have_q <= 1'b0;
       payload_crc_q <= 1'b0;
       tag_q <= '0;
       sequence_q <= fs_pkg::LinkFirstSequence;
     end else begin
-      have_q <= fetch | (have_q & ~use_word);
       if (fetch & client_last) client_q <= 1'b0;
       case (state_q)
-        Idle: begin
+        Idle: if (looked_q) begin
           turn_q <= chosen;
-          client_q <= chosen != '0;
-          if (chosen != '0) state_q <= Sync;
+          client_q <= wanted_q != '0;
+          if (wanted_q != '0) state_q <= Sync;
           // The clients up to the chosen one have had their turn.
-          if (chosen[Clients-1:First] != '0) served_q <= chosen | (chosen - 1'b1);
+          if (chosen[Clients-1:First] != '0) served_q <= served_d;
         end
         Sync: if (emit) state_q <= Kind;
         Kind: if (emit) state_q <= Length;
@@ -143,16 +169,10 @@ module fs_packetizer #(
           payload_crc_q <= empty_q;
         end
         default: if (emit) begin  // Payload
-          payload_crc_q <= ~payload_crc_q & client_last_q;
+          payload_crc_q <= ~payload_crc_q & word_last;
           if (payload_crc_q) state_q <= Idle;
         end
       endcase
     end
   end
-
-  logic [4:0] unused_count;
-  fs_stream_fifo #(.Bits(32), .Depth(16)) u_out (
-    .clk_i, .rst_ni, .valid_i(emit), .ready_o(room), .data_i(word),
-    .valid_o, .ready_i, .data_o(word_o), .count_o(unused_count)
-  );
 endmodule
