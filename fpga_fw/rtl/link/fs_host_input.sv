@@ -50,7 +50,8 @@ module fs_host_input (
   } state_e;
   state_e state_q;
   logic open_q, lacks_q;
-  logic [WidthBits-1:0] width_q, x_q, x_d;
+  logic [WidthBits-1:0] width_q, before_last_q, x_q, x_d, next_x_q;  // before_last_q: width_q - 2
+  logic at_last_q, next_last_q;  // x_q, next_x_q is the last column
   logic [11:0] height_q, row_q, fill_q;  // rows that are done; rows to fill up to
   logic [15:0] row_bytes_q;
   logic [8*LeaderBytes-1:0] leader_q;
@@ -84,13 +85,22 @@ module fs_host_input (
   // While a byte is written, the next one is read.
   (* no_rw_check *) logic [7:0] row[0:2047];
   logic [7:0] left_q;
-  logic go, take_left, take_right, last_x;
+  logic go, take_left, take_right;
   assign go = ~valid_o | ready_i;
   assign take_left = state_q == Left & byte_valid_i;
   assign take_right = state_q == Right & byte_valid_i & go;
-  assign last_x = x_q == width_q - 1'b1;
-  assign x_d = take_left | take_right ? (last_x ? '0 : x_q + 1'b1) : x_q;
+  assign x_d = take_left | take_right ? next_x_q : x_q;
   always_ff @(posedge clk_i) begin
+    before_last_q <= width_q - WidthBits'(2);
+    if (state_q == Open) begin
+      next_x_q <= WidthBits'(1);
+      at_last_q <= 1'b0;
+      next_last_q <= 1'b0;
+    end else if (take_left | take_right) begin
+      next_x_q <= next_last_q ? '0 : next_x_q + 1'b1;
+      at_last_q <= next_last_q;
+      next_last_q <= next_x_q == before_last_q;
+    end
     if (take_left) row[11'(x_q)] <= byte_i;
     left_q <= row[11'(x_d)];
   end
@@ -106,7 +116,7 @@ module fs_host_input (
     if (go) begin
       valid_o <= take_right | fill;
       sof_o <= row_q == '0 & x_q == '0;
-      eol_o <= fill | last_x;
+      eol_o <= fill | at_last_q;
       left_o <= fill ? '0 : left_q;
       right_o <= fill ? '0 : byte_i;
     end
@@ -164,8 +174,8 @@ module fs_host_input (
           end
         end
       end
-      Left: if (take_left & last_x) state_q <= Right;
-      Right: if (take_right & last_x) begin
+      Left: if (take_left & at_last_q) state_q <= Right;
+      Right: if (take_right & at_last_q) begin
         row_q <= row_q + 12'd1;
         state_q <= Done;
       end
