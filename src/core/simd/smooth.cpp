@@ -16,6 +16,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Words = hn::CappedTag<std::uint16_t, 16>;
 using Greys = hn::Rebind<std::uint8_t, Words>;
 
+namespace {  // another file has another load()
+
 HWY_INLINE hn::Vec<Words> load(const std::uint8_t* from) {
   return hn::PromoteTo(Words(), hn::LoadU(Greys(), from));
 }
@@ -23,6 +25,8 @@ HWY_INLINE void store(hn::Vec<Words> v, std::uint8_t* to) {
   const hn::RebindToSigned<Words> d;
   hn::StoreU(hn::DemoteTo(Greys(), hn::BitCast(d, v)), Greys(), to);
 }
+
+}  // namespace
 
 /// `in` needs a pixel on either side.
 void smooth_row(const std::uint8_t* in, int width, std::uint8_t* out) {

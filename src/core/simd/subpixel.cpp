@@ -15,6 +15,8 @@ using V32 = hn::Vec<D32>;
 using From8 = hn::Rebind<std::uint8_t, D32>;
 using From16 = hn::Rebind<std::uint16_t, D32>;
 
+namespace {  // another file has another load()
+
 HWY_INLINE V32 load(const std::uint8_t* from) {
   return hn::PromoteTo(D32(), hn::LoadU(From8(), from));
 }
@@ -39,6 +41,8 @@ HWY_INLINE V32 vertex(const SelectionRow& s, int x) {
   const auto offset = hn::IfThenElse(hn::Lt(num, hn::Zero(d)), hn::Neg(quotient), quotient);
   return hn::IfThenElseZero(valid, offset);
 }
+
+}  // namespace
 
 void subpixel(const SelectionRow& s, const std::uint8_t* kept, const Parameters& p,
               std::uint16_t* disparity) {
