@@ -22,32 +22,54 @@ as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo -E "$@"; fi
 }
 
-is_ubuntu_2004() {
-  [ -r /etc/os-release ] && (. /etc/os-release && [ "${VERSION_CODENAME:-}" = focal ])
+# Prints the code name of this system's release, for example bookworm.
+release() { sed -n 's/^VERSION_CODENAME=//p' /etc/os-release; }
+
+is_ubuntu_2004() { [ "$(release)" = focal ]; }
+
+# missing_packages GROUP...: prints the packages of these groups in scripts/packages that are not
+# installed.
+missing_packages() {
+  local column=2 group name
+  case "$(release)" in
+    trixie) column=3 ;;
+    focal) column=4 ;;
+  esac
+  for group in "$@"; do
+    for name in $(awk -v g="$group" -v c="$column" \
+      '$1 == g { name = $c == "=" ? $2 : $c; if (name != "-") print name }' "$root/scripts/packages"); do
+      dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null | grep -qx installed || echo "$name"
+    done
+  done
+}
+
+# apt_install PACKAGE...: installs packages; fails with the end of apt's output if that fails.
+apt_install() {
+  as_root apt-get install -y -qq --no-install-recommends "$@" >"$build/apt.log" 2>&1 ||
+    { tail -n 20 "$build/apt.log" >&2; die "apt-get install failed; the complete log is $build/apt.log"; }
 }
 
 # install_packages GROUP...: installs the packages that scripts/packages lists for these groups.
 install_packages() {
-  local column=2
-  if is_ubuntu_2004; then column=3; fi
-  local group names missing=()
-  for group in "$@"; do
-    names=$(awk -v g="$group" -v c="$column" '$1 == g && $c != "-" { print $c }' \
-      "$root/scripts/packages")
-    local name
-    for name in $names; do
-      dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null | grep -qx installed ||
-        missing+=("$name")
-    done
-  done
+  local missing
+  mapfile -t missing < <(missing_packages "$@")
   if [ ${#missing[@]} = 0 ]; then
     say "All packages of the groups $* are installed"
     return
   fi
   say "Installing ${#missing[@]} packages of the groups $*: ${missing[*]}"
   as_root apt-get update -qq
-  as_root apt-get install -y -qq --no-install-recommends "${missing[@]}" >"$build/apt.log" 2>&1 ||
-    { tail -n 20 "$build/apt.log" >&2; die "apt-get install failed; the complete log is $build/apt.log"; }
+  apt_install "${missing[@]}"
+}
+
+# install_optional_packages GROUP...: does the same, but only warns about packages that cannot be
+# installed.
+install_optional_packages() {
+  local name
+  for name in $(missing_packages "$@"); do
+    say "Installing $name"
+    (apt_install "$name") || echo "warning: continuing without the package $name" >&2
+  done
 }
 
 # source_ros FILE: sources a setup file of ROS; those use variables that may be unset.
