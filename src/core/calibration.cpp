@@ -46,9 +46,10 @@ bool is_finite(const Container& values) {
   return true;
 }
 
+// Ubuntu 20.04's fmt 6.1 has no format_string.
 template <class... Arguments>
-Error error(ErrorKind kind, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-  return {kind, fmt::format(text, std::forward<Arguments>(arguments)...)};
+Error error(ErrorKind kind, const char* text, const Arguments&... arguments) {
+  return {kind, fmt::vformat(text, fmt::format_args(fmt::make_format_args(arguments...)))};
 }
 
 std::string to_text(cv::Size size) { return fmt::format("{}x{}", size.width, size.height); }
