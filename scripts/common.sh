@@ -38,6 +38,11 @@ missing_packages() {
   for group in "$@"; do
     for name in $(awk -v g="$group" -v c="$column" \
       '$1 == g { name = $c == "=" ? $2 : $c; if (name != "-") print name }' "$root/scripts/packages"); do
+      # Only amd64 compiles for another processor.
+      case "$(dpkg --print-architecture):$name" in
+        amd64:*) ;;
+        *:g++-aarch64-linux-gnu | *:qemu-user-static) continue ;;
+      esac
       dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null | grep -qx installed || echo "$name"
     done
   done

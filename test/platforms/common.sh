@@ -35,7 +35,7 @@ make_root() {
   say "Creating a Debian ${release} in ${folder#"$source"/}"
   rm -rf "$folder"
   mkdir -p "$(dirname "$folder")"
-  mmdebstrap --quiet --dpkgopt=force-unsafe-io --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr \
+  mmdebstrap --quiet --dpkgopt=force-unsafe-io \
     "$@" "$release" "$folder" "deb $mirror $release main"
   touch "$folder.made"
 }
