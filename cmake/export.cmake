@@ -5,6 +5,14 @@ set(cmake_destination ${FPGA_STEREO_SHARE_DESTINATION}/cmake)
 
 add_library(fpga_stereo::core ALIAS fpga_stereo_core)
 add_library(fpga_stereo::link ALIAS fpga_stereo_link)
+# Minor versions may change the binary interface.
+set(FPGA_STEREO_SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set_target_properties(fpga_stereo_core fpga_stereo_link PROPERTIES
+  VERSION ${PROJECT_VERSION} SOVERSION ${FPGA_STEREO_SOVERSION})
+if(FPGA_STEREO_ROS)
+  set_target_properties(fpga_stereo_conversions PROPERTIES
+    VERSION ${PROJECT_VERSION} SOVERSION ${FPGA_STEREO_SOVERSION})
+endif()
 set_target_properties(fpga_stereo_core PROPERTIES EXPORT_NAME core)
 set_target_properties(fpga_stereo_link PROPERTIES EXPORT_NAME link)
 install(TARGETS fpga_stereo_core fpga_stereo_link EXPORT fpga_stereo
