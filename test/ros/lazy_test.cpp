@@ -50,6 +50,8 @@ TEST(Lazy, AnImageOfOneCameraNeedsNeitherTheOtherNorACalibration) {
     for (const std::string topic : {"image_mono", "image_color"}) {
       SCOPED_TRACE(camera + "/" + topic);
       const bool is_left = camera == "left";
+      // Until the node has ended the subscription for the topic before, it counts as the new one.
+      ASSERT_TRUE(rig.node_is_unsubscribed());
       Listener<Image> images(rig.nh(), camera + "/" + topic);
       Rig::Subscribers expected;
       (is_left ? expected.left : expected.right) = 1;
