@@ -68,7 +68,7 @@ module fs_camera_pair #(
     lines_in_q <= height_i;
   end
   // What the position is compared with, constant within a frame: the column before the left one and
-  // so on. Two flags tell where there is none.
+  // so on. No column or row precedes 0; the flags left_is_0_q, top_is_0_q and bottom_is_0_q say so.
   logic [11:0] before_left_q, right_q, before_right_q, near_right_q, before_top_q, bottom_q,
       before_bottom_q, height_q;
   logic left_is_0_q, top_is_0_q, bottom_is_0_q;
