@@ -6,13 +6,12 @@ set(cmake_destination ${FPGA_STEREO_SHARE_DESTINATION}/cmake)
 add_library(fpga_stereo::core ALIAS fpga_stereo_core)
 add_library(fpga_stereo::link ALIAS fpga_stereo_link)
 # Minor versions may change the binary interface.
-set(FPGA_STEREO_SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-set_target_properties(fpga_stereo_core fpga_stereo_link PROPERTIES
-  VERSION ${PROJECT_VERSION} SOVERSION ${FPGA_STEREO_SOVERSION})
+set(versioned fpga_stereo_core fpga_stereo_link)
 if(FPGA_STEREO_ROS)
-  set_target_properties(fpga_stereo_conversions PROPERTIES
-    VERSION ${PROJECT_VERSION} SOVERSION ${FPGA_STEREO_SOVERSION})
+  list(APPEND versioned fpga_stereo_conversions)
 endif()
+set_target_properties(${versioned} PROPERTIES
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set_target_properties(fpga_stereo_core PROPERTIES EXPORT_NAME core)
 set_target_properties(fpga_stereo_link PROPERTIES EXPORT_NAME link)
 install(TARGETS fpga_stereo_core fpga_stereo_link EXPORT fpga_stereo
