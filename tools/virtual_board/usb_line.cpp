@@ -1,36 +1,21 @@
 #include <csignal>
-#include <thread>
 
 #include "sim/virtual_usb/virtual_ft232h.hpp"
 #include "support/child.hpp"
 #include "support/interrupt.hpp"
-#include "virtual_board/board_backend.hpp"
-#include "virtual_board/line.hpp"
+#include "virtual_board/ft232h_line.hpp"
 
 namespace fpga_stereo::tools {
 namespace {
 
 /// Starts the host program in an environment in which it sees the virtual device.
-class UsbLine : public Line {
+class UsbLine : public Ft232hLine<sim::VirtualFt232h> {
  public:
-  UsbLine(sim::FaultyBoard& board, const sim::VirtualFt232h::Options& options,
+  UsbLine(sim::FaultyBoard& board, const std::string& serial_number,
           const std::vector<std::string>& command)
-      : board_(board),
-        backend_(board),
-        chip_(backend_, options),
+      : Ft232hLine(board, serial_number),
         child_(command, sim::VirtualFt232h::environment(), command[0] + ": no such program") {}
 
-  void serve(std::chrono::milliseconds timeout) override {
-    // The board does not report when it has bytes or room.
-    chip_.poke();
-    std::this_thread::sleep_for(timeout);
-  }
-  void plug(bool is_plugged) override {
-    if (is_plugged == chip_.is_plugged()) return;
-    if (is_plugged) return chip_.plug();
-    chip_.unplug();
-    board_.cut();
-  }
   std::optional<int> exit_code() override {
     if (interrupted()) {
       child_.send_signal(SIGTERM);
@@ -38,16 +23,8 @@ class UsbLine : public Line {
     }
     return child_.exit_code();
   }
-  void halt() override { chip_.stall_in(); }
-  void send_empty(int transfers) override { chip_.send_empty(transfers); }
-  void limit_packets(int payload) override {
-    chip_.limit_packets(static_cast<std::size_t>(payload));
-  }
 
  private:
-  sim::FaultyBoard& board_;
-  BoardBackend backend_;
-  sim::VirtualFt232h chip_;
   Child child_;
 };
 
@@ -55,9 +32,7 @@ class UsbLine : public Line {
 
 std::unique_ptr<Line> make_usb_line(sim::FaultyBoard& board, const std::string& serial_number,
                                     const std::vector<std::string>& command) {
-  sim::VirtualFt232h::Options options;
-  options.serial_number = serial_number;
-  return std::make_unique<UsbLine>(board, options, command);
+  return std::make_unique<UsbLine>(board, serial_number, command);
 }
 
 }  // namespace fpga_stereo::tools
