@@ -47,7 +47,6 @@ def transforms(world, text):
 def simulate(world, text):
     if not world.succeeds("command -v verilator"):
         raise Skipped("verilator is not installed")
-    world.environment["XDG_CACHE_HOME"] = str(world.top / "cache")
     writes("OUT.png" if "OUT.png" in text else "disparity.png")(
         world, text.replace("LEFT RIGHT", "left.png right.png"))
 

@@ -27,8 +27,8 @@ def free_port():
 
 
 class World:
-    def __init__(self, devel):
-        self.devel = pathlib.Path(devel).resolve()
+    def __init__(self, devel, models):
+        self.devel, self.models = pathlib.Path(devel).resolve(), pathlib.Path(models).resolve()
         self.top = pathlib.Path(tempfile.mkdtemp(prefix="fpga_stereo_readme_"))
         self.base, self.folder, self.bin = self.top / "base", self.top / "work", self.top / "bin"
         self.etc = self.top / "etc"
@@ -36,13 +36,16 @@ class World:
         self.environment = {
             **os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}", "ROS_IP": "127.0.0.1",
             "ROS_HOME": str(self.top / "ros"), "PYTHONUNBUFFERED": "1", "ROS_LOG_DIR": str(self.top / "ros/log"),
+            "XDG_CACHE_HOME": str(self.top / "cache"),
             "PATH": f"{self.bin}:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"}
         self.environment.pop("ROS_HOSTNAME", None)
         self.environment.pop("DISPLAY", None)
 
     def __enter__(self):
-        for folder in (self.base, self.bin, self.etc / "udev/rules.d", self.top / "ros/log"):
+        for folder in (self.base, self.bin, self.etc / "udev/rules.d", self.top / "ros/log",
+                       self.top / "cache"):
             folder.mkdir(parents=True)
+        (self.top / "cache/fpga_stereo").symlink_to(self.models)
         data.write_all(self.base)
         (self.base / "devel").symlink_to(self.devel)
         # sudo, for commands that would change this machine: files of /etc go to a folder of the test.
