@@ -4,7 +4,7 @@
 // A model of the raster runs in parallel. Wires named like u_input's signals in Yosys's flattened
 // netlist connect to those signals.
 module input_raster #(
-  parameter int MinRows = 3,
+  parameter int GapRows = 2,
   parameter int MaxFrames = 8
 ) (
   input logic        clk_i,
@@ -21,11 +21,11 @@ module input_raster #(
   output logic [4:0] reached_o
 );
   localparam int FrameBits = $clog2(MaxFrames);
-  localparam int RowBits = $clog2(MinRows + 2);
+  localparam int GapBits = $clog2(GapRows + 2);
   logic ready_o, stage_rst_no, en_o, valid_o, sof_o, sol_o, frame_in_o, frame_bad_o, apply_o;
   logic busy_o, cut_frame_o, long_frame_o;
   logic [7:0] left_o, right_o;
-  fs_input #(.MinRows(MinRows), .MaxFrames(MaxFrames)) u_input (
+  fs_input #(.GapRows(GapRows), .MaxFrames(MaxFrames)) u_input (
     .clk_i, .rst_ni, .width_i, .height_i, .valid_i, .ready_o, .sof_i, .eol_i,
     .left_i(8'd0), .right_i(8'd0),
     .stage_rst_no, .en_o, .valid_o, .sof_o, .sol_o, .left_o, .right_o,
@@ -39,7 +39,7 @@ module input_raster #(
   (* hierconn *) wire \u_input.frame_q , \u_input.last_row_q , \u_input.idle_q , \u_input.full_q ;
   (* hierconn *) wire \u_input.spaced_q ;
   (* hierconn *) wire [FrameBits-1:0] \u_input.in_flight_q ;
-  (* hierconn *) wire [RowBits-1:0] \u_input.rows_q ;
+  (* hierconn *) wire [GapBits-1:0] \u_input.gap_q ;
 
   // Starts with a reset; further resets may come.
   logic started_q = 1'b0;
@@ -50,8 +50,8 @@ module input_raster #(
   logic tick, row_end, frame_end, begins;
   logic [11:0] x_q, y_q;         // position of the next tick
   logic open_q, row_valid_q;     // inside a frame; kind of the current row
-  logic spaced_q;                // MinRows rows have begun since the last frame began
-  logic [RowBits-1:0] rows_q;
+  logic spaced_q, spaced;        // GapRows bubble rows lie behind the last frame
+  logic [GapBits-1:0] gap_q, gap;
   logic [FrameBits-1:0] complete_q;  // frames that are entirely in the pipeline
   logic [11:0] last_x, last_y;
   assign last_x = width_i - 12'd1;
@@ -60,6 +60,8 @@ module input_raster #(
   assign begins = tick & sof_o;
   assign row_end = tick & x_q == last_x;
   assign frame_end = row_end & valid_o & (begins ? height_i == 12'd1 : y_q == last_y);
+  assign gap = frame_end ? '0 : gap_q + GapBits'(row_end & ~valid_o);
+  assign spaced = frame_end ? GapRows == 0 : spaced_q | (row_end & gap == GapBits'(GapRows));
   logic [11:0] was_width_q, was_height_q;
   logic room_q, reset_q, was_apply_q;
   logic [FrameBits-1:0] complete;
@@ -79,8 +81,8 @@ module input_raster #(
       if (x_q == '0) row_valid_q <= valid_o;
       open_q <= valid_o & ~frame_end;
       y_q <= begins ? '0 : y_q + 12'(row_end);
-      rows_q <= begins ? '0 : rows_q + RowBits'(row_end);
-      spaced_q <= ~begins & (spaced_q | (row_end & rows_q == RowBits'(MinRows - 1)));
+      gap_q <= gap;
+      spaced_q <= spaced;
     end
     complete_q <= rst_ni ? complete : '0;
   end
@@ -160,12 +162,12 @@ module input_raster #(
     i_height: assert (\u_input.y_q <= last_y);
   end
   always_comb if (started_q & stage_rst_no & ~apply_o & ~\u_input.spaced_q ) begin
-    i_rows: assert (\u_input.rows_q == (begins ? '0 : rows_q + RowBits'(row_end)));
-    i_rows_few: assert (\u_input.rows_q < RowBits'(MinRows));
+    i_gap: assert (\u_input.gap_q == (tick ? gap : gap_q));
+    i_gap_short: assert (\u_input.gap_q < GapBits'(GapRows));
+    i_gap_between_frames: assert (~\u_input.frame_q );
   end
   always_comb if (started_q & ~\u_input.hold_q [7]) i_spaced: assert (
-      \u_input.spaced_q == (~begins & (spaced_q | (row_end & rows_q == RowBits'(MinRows - 1)))) |
-      ~stage_rst_no);
+      \u_input.spaced_q == (tick ? spaced : spaced_q) | ~stage_rst_no);
 
   // Cover: these events are reachable.
   always_ff @(posedge clk_i) begin

@@ -46,7 +46,7 @@ module shadow_swap #(
   );
   logic ready, stage_rst_n, en, valid, sof, sol;
   logic [7:0] left, right;
-  fs_input #(.MinRows(3), .MaxFrames(MaxFrames)) u_input (
+  fs_input #(.GapRows(2), .MaxFrames(MaxFrames)) u_input (
     .clk_i, .rst_ni, .width_i(width), .height_i(height), .valid_i, .ready_o(ready), .sof_i, .eol_i,
     .left_i(8'd0), .right_i(8'd0), .stage_rst_no(stage_rst_n), .en_o(en), .valid_o(valid),
     .sof_o(sof), .sol_o(sol), .left_o(left), .right_o(right),

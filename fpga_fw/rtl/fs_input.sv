@@ -6,9 +6,9 @@
 //             in a frame      a tick with the next pixel as soon as it arrives, or with 0 in place
 //                             of a missing pixel
 //             between frames  a tick with a frame's first pixel if it has arrived, the previous row
-//                             is complete and MinRows rows have begun since the last frame began;
-//                             else a tick of a bubble row if such a row has begun, frames are in
-//                             flight, or the waiting frame needs the distance; else no tick.
+//                             is complete and GapRows bubble rows lie behind the last frame; else a
+//                             tick of a bubble row if such a row has begun, frames are in flight,
+//                             or the waiting frame needs the gap; else no tick.
 //                             While no frame waits for them, bubbles also wait for bubble_room_i,
 //                             so the tail of a frame leaves the pipeline only as fast as it is read
 //           Frames that are not width_i x height_i:
@@ -35,7 +35,7 @@
 // Limits    16 <= width_i, 1 <= height_i; they change only in the clock after apply_o. Fewer than
 //           MaxFrames frames in flight: a further one waits.
 module fs_input #(
-  parameter int MinRows = 8,     // from the start of a frame to the start of the next
+  parameter int GapRows = 7,     // bubble rows between two frames, at least
   parameter int MaxFrames = 256  // a power of two
 ) (
   input  logic        clk_i,
@@ -72,8 +72,8 @@ module fs_input #(
 );
   localparam int ResetClocks = 8;
   localparam int FrameBits = $clog2(MaxFrames);
-  localparam int RowBits = $clog2(MinRows + 2);
-  if (MinRows < 1) initial $fatal(1, "fs_input: MinRows is %0d, allowed: 1 or more", MinRows);
+  localparam int GapBits = $clog2(GapRows + 2);
+  if (GapRows < 0) initial $fatal(1, "fs_input: GapRows is %0d, allowed: 0 or more", GapRows);
   if (MaxFrames < 4 || MaxFrames != 1 << FrameBits)
     initial $fatal(1, "fs_input: MaxFrames is %0d, allowed: 4, 8, 16, ..", MaxFrames);
 
@@ -95,7 +95,7 @@ module fs_input #(
   logic last_row_q;                      // this is the last row of the frame
   logic pad_line_q, drop_line_q;         // fill with 0 (drop) up to the end of the line
   logic seen_q, cut_q, long_q;           // state of the frame that began last
-  logic idle_q, full_q, spaced_q;        // no frame in flight; too many; MinRows have begun
+  logic idle_q, full_q, spaced_q;        // no frame in flight; too many; the gap is complete
 
   // Decisions of this clock.
   logic sof_waits, pads, begins, bubbles, tick, begin_tick, take, drop, apply;
@@ -129,30 +129,31 @@ module fs_input #(
     end
   end
 
-  // Rows of the frame, and rows since it began.
+  // Rows of the frame, and bubble rows behind it.
   logic [11:0] y_q, before_last_y_q;
-  logic [RowBits-1:0] rows_q;
-  logic one_row_q;
+  logic [GapBits-1:0] gap_q;
+  logic one_row_q, frame_end, gap_end;
+  assign frame_end = tick & last_q & frame_q & last_row_q;
+  assign gap_end = tick & last_q & ~frame_q & gap_q == GapBits'(GapRows - 1);
   always_ff @(posedge clk_i) begin
     before_last_y_q <= height_i - 12'd2;
     one_row_q <= height_i == 12'd1;
     if (begin_tick) begin
       y_q <= '0;
       last_row_q <= one_row_q;
-      rows_q <= '0;
     end else if (tick & last_q) begin
       y_q <= y_q + 12'd1;
       last_row_q <= y_q == before_last_y_q;
-      rows_q <= rows_q + 1'b1;
     end
+    if (tick & last_q) gap_q <= frame_q ? '0 : gap_q + 1'b1;
     if (!rst_ni) begin
       frame_q <= 1'b0;
       spaced_q <= 1'b1;
     end else begin
       if (begin_tick) frame_q <= 1'b1;
-      if (tick & last_q & last_row_q) frame_q <= 1'b0;
-      if (begin_tick) spaced_q <= 1'b0;
-      if ((tick & last_q & rows_q == RowBits'(MinRows - 1)) | apply) spaced_q <= 1'b1;
+      if (frame_end) frame_q <= 1'b0;
+      if (frame_end) spaced_q <= GapRows == 0;
+      if (gap_end | apply) spaced_q <= 1'b1;
     end
   end
 

@@ -10,13 +10,12 @@
 //           one tick later. Tick 2 pairs the left bits with the right bits of d pixels earlier;
 //           then the lane's ticks follow. Signals that all lanes use have a copy for every Group of
 //           lanes, so that no flip-flop drives more than that.
-//           Frames without a gap: while the last rows of a frame still leave the sums, the first
-//           rows of the next frame enter a second, separate sum. When the window's centre reaches
-//           row 0, the column sum is taken from that second sum.
+//           The column sums start anew when row 0 of a frame enters. By then the window's centre
+//           has left the frame before, because there is a gap between frames.
 // Latency   LatencyRows, LatencyTicks.
 // Handshake the raster (fs_top).
-// Limits    width_i >= max(16, CorrelationWindow + 1); frames start at least
-//           CorrelationWindow / 2 + 1 rows apart.
+// Limits    width_i >= max(16, CorrelationWindow + 1); at least CorrelationWindow / 2 bubble rows
+//           between frames.
 module fs_match #(
   parameter int MaxWidth = 640,
   parameter int Disparities = 64,
@@ -30,7 +29,6 @@ module fs_match #(
   input  logic                           rst_ni,
   input  logic [Copies-1:0]              en_i,
   input  logic [11:0]                    width_i,
-  input  logic [11:0]                    height_i,
   input  logic                           valid_i,
   input  logic                           sof_i,
   input  logic                           sol_i,
@@ -50,7 +48,6 @@ module fs_match #(
   localparam int Group = 8;
   localparam int Groups = (Disparities + Group - 1) / Group;
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1);
-  localparam int FreshBits = $clog2(Radius * CensusBits + 1);
   localparam int PlaceBits = $clog2(CorrelationWindow);
 
   if (Disparities < 16 || Disparities > 128 || Disparities % 4 != 0)
@@ -99,36 +96,30 @@ module fs_match #(
   );
   logic unused;
   assign unused = ^{unused_sol, unused_x, unused_y, lane_right};
-  logic enter_valid_q, enter_sof_q, sol_q;
-  logic [11:0] x_q, centre_y_q;
-  logic [11:0] last_x_q, rows_below_q;  // rows_below_q: height_i - Radius, at least 0
+  logic enter_valid_q, enter_sof_q, centre_valid_q, sol_q;
+  logic [11:0] x_q, centre_y_q, last_x_q;
   always_ff @(posedge clk_i) begin
     last_x_q <= width_i - 12'd1;
-    rows_below_q <= height_i > 12'(Radius) ? height_i - 12'(Radius) : '0;
     if (en_i[0]) begin
       enter_valid_q <= enter_valid;
       enter_sof_q <= enter_sof;
+      centre_valid_q <= centre_valid;
       sol_q <= sol;
       x_q <= x;
       centre_y_q <= centre_y;
     end
   end
 
-  // Row flags, constant over a row: tick 3. The lanes get them at tick 4, those of the sums at 5.
-  logic fresh_q;                          // a row of a frame enters
-  logic enters_q;                         // the entering row belongs to the centre's frame
-  logic leaves_q;                         // so does the leaving row
-  logic fresh_row0_q, fresh_row0_4_q;     // row 0 of a frame enters
-  logic centre_row0_q, centre_row0_4_q;   // the centre is in row 0
+  // Row flags, constant over a row: tick 3. The lanes get them at tick 4, row 0 at tick 5.
+  logic enters_q;          // a row of a frame enters
+  logic leaves_q;          // a row of the frame leaves
+  logic row0_q, row0_4_q;  // row 0 of a frame enters
   always_ff @(posedge clk_i) begin
     if (en_i[0]) begin
-      fresh_q <= enter_valid_q;
-      if (sol_q) fresh_row0_q <= enter_sof_q;
-      fresh_row0_4_q <= fresh_row0_q;
-      enters_q <= centre_y_q < rows_below_q;
-      leaves_q <= centre_y_q > 12'(Radius);
-      centre_row0_q <= centre_y_q == '0;
-      centre_row0_4_q <= centre_row0_q;
+      enters_q <= enter_valid_q;
+      leaves_q <= centre_valid_q & centre_y_q > 12'(Radius);
+      if (sol_q) row0_q <= enter_sof_q;
+      row0_4_q <= row0_q;
     end
   end
 
@@ -152,15 +143,14 @@ module fs_match #(
 
   // Per group of lanes: the left bits at tick 2; the flags one tick later than above.
   logic [2*CensusBits*Groups-1:0] group_left_q;
-  logic [8*Groups-1:0] group_flags_q;
+  logic [6*Groups-1:0] group_flags_q;
   logic [PlaceBits*Groups-1:0] group_place_q;  // in the lanes' rings
   for (genvar g = 0; g < Groups; g++) begin : g_group
     // Kept: synthesis would otherwise merge the equal registers.
     (* keep *) always_ff @(posedge clk_i) begin
       if (en_i[(2+g*Group/4)%Copies]) begin
         group_left_q[2*CensusBits*g+:2*CensusBits] <= left_q;
-        group_flags_q[8*g+:8] <= {fresh_q, fresh_row0_4_q, enters_q, leaves_q, centre_row0_4_q,
-                                  row_end_q, first_7_q, last_q};
+        group_flags_q[6*g+:6] <= {enters_q, leaves_q, row0_4_q, row_end_q, first_7_q, last_q};
       end
     end
     (* keep *) always_ff @(posedge clk_i) begin
@@ -175,13 +165,11 @@ module fs_match #(
   end
 
   logic [Disparities*ColumnBits-1:0] column_new, column_old;
-  logic [Disparities*FreshBits-1:0] fresh_new, fresh_old;
   for (genvar d = 0; d < Disparities; d++) begin : g_lane
     localparam int Left = 2 * CensusBits * (d / Group);
     localparam int Right = 2 * CensusBits * d;
-    logic fresh, fresh_row0, enters, leaves, centre_row0, row_end, first, last;
-    assign {fresh, fresh_row0, enters, leaves, centre_row0, row_end, first, last} =
-        group_flags_q[8*(d/Group)+:8];
+    logic enters, leaves, row0, row_end, first, last;
+    assign {enters, leaves, row0, row_end, first, last} = group_flags_q[6*(d/Group)+:6];
     fs_match_lane #(
       .CensusBits(CensusBits), .CorrelationWindow(CorrelationWindow),
       .Primitives(Primitives)
@@ -192,12 +180,9 @@ module fs_match #(
       .leave_left_i(group_left_q[Left+CensusBits+:CensusBits]),
       .leave_right_i(lane_right_q[Right+CensusBits+:CensusBits]),
       .seen_i(seen_q[d]),
-      .fresh_i(fresh), .fresh_row0_i(fresh_row0), .enters_i(enters), .leaves_i(leaves),
-      .centre_row0_i(centre_row0),
+      .enters_i(enters), .leaves_i(leaves), .row0_i(row0),
       .column_old_i(column_old[ColumnBits*d+:ColumnBits]),
       .column_new_o(column_new[ColumnBits*d+:ColumnBits]),
-      .fresh_old_i(fresh_old[FreshBits*d+:FreshBits]),
-      .fresh_new_o(fresh_new[FreshBits*d+:FreshBits]),
       .place_i(group_place_q[PlaceBits*(d/Group)+:PlaceBits]),
       .row_end_i(row_end), .first_i(first), .last_i(last),
       .sum_o(sums_o[SumBits*d+:SumBits])
@@ -206,12 +191,12 @@ module fs_match #(
 
   // Delays the sums by a row, minus the tick from reading a sum to writing it.
   fs_line_delay #(
-    .Bits(Disparities * (ColumnBits + FreshBits)), .MaxLength(MaxWidth)
+    .Bits(Disparities * ColumnBits), .MaxLength(MaxWidth)
   ) u_columns (
     .clk_i, .rst_ni, .en_i(en_i[1%Copies]),
     .length_i($clog2(MaxWidth + 1)'(width_i - 12'd1)),
-    .data_i({fresh_new, column_new}),
-    .data_o({fresh_old, column_old})
+    .data_i(column_new),
+    .data_o(column_old)
   );
 
   fs_raster_delay #(.Rows(LatencyRows), .Ticks(LatencyTicks)) u_tags (

@@ -4,8 +4,8 @@
 //             ticks 3, 4  Hamming distances of the entering and of the leaving row (with more than
 //                         30 bits they take one tick more, and everything after is one tick later)
 //             tick 5      change of the column sum
-//             tick 6      column sum (column_new_o) and the separate sum of a frame's first rows
-//                         (fresh_new_o); both come back as .._old_i a row later, at tick 5
+//             tick 6      column sum (column_new_o), which starts from 0 in row 0 of a frame; it
+//                         comes back as column_old_i a row later, at tick 5
 //             tick 7      running sum along the rows, never reset, modulo its width; stored as its
 //                         complement, which turns the last step into an addition
 //             tick 8      its value at the window's right end; beyond the end of the row, the value
@@ -17,10 +17,8 @@ module fs_match_lane #(
   parameter int CensusBits = 24,
   parameter int CorrelationWindow = 15,
   parameter int Primitives = 0,
-  localparam int Radius = CorrelationWindow / 2,
   localparam int SumBits = $clog2(CorrelationWindow * CorrelationWindow * CensusBits + 1),
   localparam int ColumnBits = $clog2(CorrelationWindow * CensusBits + 1),
-  localparam int FreshBits = $clog2(Radius * CensusBits + 1),
   localparam int PlaceBits = $clog2(CorrelationWindow)
 ) (
   input  logic                  clk_i,
@@ -30,15 +28,11 @@ module fs_match_lane #(
   input  logic [CensusBits-1:0] leave_left_i,
   input  logic [CensusBits-1:0] leave_right_i,
   input  logic                  seen_i,         // tick 2: the right pixel is in the image
-  input  logic                  fresh_i,        // tick 4: a row of a frame enters
-  input  logic                  fresh_row0_i,   // tick 5: row 0 of a frame enters
-  input  logic                  enters_i,       // tick 4: a row of the centre's frame enters
-  input  logic                  leaves_i,       // tick 4: a row of that frame leaves
-  input  logic                  centre_row0_i,  // tick 5: the window's centre is in row 0
+  input  logic                  enters_i,       // tick 4: a row of the frame enters
+  input  logic                  leaves_i,       // tick 4: a row of the frame leaves
+  input  logic                  row0_i,         // tick 5: row 0 of the frame enters
   input  logic [ColumnBits-1:0] column_old_i,   // tick 5
   output logic [ColumnBits-1:0] column_new_o,   // tick 6
-  input  logic [FreshBits-1:0]  fresh_old_i,    // tick 5
-  output logic [FreshBits-1:0]  fresh_new_o,    // tick 6
   input  logic [PlaceBits-1:0]  place_i,        // counts 0 .. CorrelationWindow - 1
   input  logic                  row_end_i,      // tick 7: last column of the row
   input  logic                  first_i,        // tick 8: the window extends past the left edge
@@ -61,16 +55,10 @@ module fs_match_lane #(
   assign leave = seen_q[SeenTicks-1] ? leave_count : Chance;
 
   logic signed [CountBits:0] change_q;
-  logic [CountBits-1:0] enter_q;
   logic [ColumnBits-1:0] column;
-  logic [FreshBits-1:0] fresh;
   fs_add_select #(.Bits(ColumnBits), .Primitives(Primitives)) u_column (
-    .a_i(ColumnBits'(change_q)), .b_i(ColumnBits'(fresh_old_i)), .c_i(column_old_i),
-    .select_i(centre_row0_i), .sum_o(column)
-  );
-  fs_add_select #(.Bits(FreshBits), .Primitives(Primitives)) u_fresh (
-    .a_i(FreshBits'(enter_q)), .b_i(fresh_old_i), .c_i(FreshBits'(0)),
-    .select_i(!fresh_row0_i), .sum_o(fresh)
+    .a_i(ColumnBits'(change_q)), .b_i(ColumnBits'(0)), .c_i(column_old_i),
+    .select_i(row0_i), .sum_o(column)
   );
 
   // The complement of the running sum, n = -1 - sum: so sum(high) - sum(low) = n(low) - n(high).
@@ -85,11 +73,9 @@ module fs_match_lane #(
     if (en_i) begin
       seen_q <= SeenTicks'({seen_q, seen_i});
 
-      enter_q <= fresh_i ? enter : '0;
       change_q <= {1'b0, enters_i ? enter : '0} - {1'b0, leaves_i ? leave : '0};
 
       column_new_o <= column;
-      fresh_new_o <= fresh;
 
       running_q <= running_q - SumBits'(column_new_o);
       before_q <= ring[place_i];

@@ -7,7 +7,7 @@
 //           stages pass each other the raster: every tick is the next position in a row of width
 //           ticks, rows follow each other without a gap, and three tags accompany the data:
 //             valid  the row belongs to a frame (otherwise it is a bubble row, which only moves
-//                    frames along)
+//                    frames along, and separates them: CorrelationWindow / 2 follow each frame)
 //             sof    first pixel of a frame
 //             sol    first tick of a row, also of a bubble row
 //           Each stage outputs the same raster, delayed by its latency. Nothing else stalls, and no
@@ -128,12 +128,13 @@ module fs_top #(
 
   // The settings for the stages. They change only while the stages are in reset, but timing
   // analysis still requires short paths across the chip. Kept, like the copies in fs_enable.
-  localparam int SizeRectify = 0, SizeCensus = 1, SizeMatch = 2, SizeSpeckle = 3;
-  logic [4*12-1:0] width_q, height_q;
+  localparam int SizeRectify = 0, SizeCensus = 1, SizeSpeckle = 2, SizeMatch = 3;
+  logic [4*12-1:0] width_q;
+  logic [3*12-1:0] height_q;  // match needs none
   for (genvar k = 0; k < 4; k++) begin : g_size
-    (* keep *) always_ff @(posedge clk_i) begin
-      width_q[12*k+:12] <= width;
-      height_q[12*k+:12] <= height;
+    (* keep *) always_ff @(posedge clk_i) width_q[12*k+:12] <= width;
+    if (k != SizeMatch) begin : g_height
+      (* keep *) always_ff @(posedge clk_i) height_q[12*k+:12] <= height;
     end
   end
   logic [fs_pkg::ConfigBits-1:0] config_q;
@@ -142,7 +143,7 @@ module fs_top #(
   // From the stream to the raster.
   logic first_valid, first_sof, first_sol;
   logic [7:0] first_left, first_right;
-  fs_input #(.MinRows(CorrelationWindow / 2 + 1), .MaxFrames(MaxFrames)) u_input (
+  fs_input #(.GapRows(CorrelationWindow / 2), .MaxFrames(MaxFrames)) u_input (
     .clk_i, .rst_ni, .width_i(width), .height_i(height),
     .valid_i, .ready_o, .sof_i, .eol_i, .left_i, .right_i,
     .stage_rst_no(first_rst_n), .en_o(first_en), .valid_o(first_valid), .sof_o(first_sof),
@@ -206,7 +207,7 @@ module fs_top #(
   ) u_match (
     .clk_i, .rst_ni(stage_rst_n[fs_pkg::StageMatch]),
     .en_i(en[MatchAt+:MatchCopies]),
-    .width_i(width_q[12*SizeMatch+:12]), .height_i(height_q[12*SizeMatch+:12]),
+    .width_i(width_q[12*SizeMatch+:12]),
     .valid_i(census_valid), .sof_i(census_sof), .sol_i(census_sol),
     .enter_left_i(enter_left), .enter_right_i(enter_right),
     .leave_left_i(leave_left), .leave_right_i(leave_right),

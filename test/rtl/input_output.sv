@@ -7,7 +7,7 @@
 // Limits    (FirstRows + Rows) * width + FirstTicks + Ticks < 4096.
 module input_output #(
   parameter int MaxWidth = 64,
-  parameter int MinRows = 3,
+  parameter int GapRows = 2,
   parameter int MaxFrames = 256,
   parameter int FirstRows = 2,
   parameter int FirstTicks = 3,
@@ -48,7 +48,7 @@ module input_output #(
 );
   logic pending, busy, room, frame_in, frame_bad, cut_frame, long_frame, buffer_frame;
   logic [15:0] pixel;
-  fs_input #(.MinRows(MinRows), .MaxFrames(MaxFrames)) u_input (
+  fs_input #(.GapRows(GapRows), .MaxFrames(MaxFrames)) u_input (
     .clk_i, .rst_ni, .width_i(width_o), .height_i(height_o),
     .valid_i, .ready_o, .sof_i, .eol_i, .left_i, .right_i,
     .stage_rst_no, .en_o, .valid_o(raster_valid_o), .sof_o(raster_sof_o), .sol_o(raster_sol_o),

@@ -140,7 +140,7 @@ inline std::vector<Pixel> faulty_frames(int width, int height, int frames, std::
 template <class Model>
 class InputOutputRig {
  public:
-  InputOutputRig(int min_rows, unsigned seed) : min_rows_(min_rows), random_(seed) { reset(); }
+  InputOutputRig(int gap_rows, unsigned seed) : gap_rows_(gap_rows), random_(seed) { reset(); }
 
   double source_idle = 0, sink_idle = 0;  // probability that a clock is idle
   std::int64_t clocks = 0, ticks = 0, applies = 0;
@@ -162,7 +162,7 @@ class InputOutputRig {
     partial_.clear();
     x_ = y_ = 0;
     since_sol_ = -1;
-    row_ = rows_since_sof_ = -1;
+    row_ = bubble_rows_ = -1;
     needs_stage_reset_ = true;
     reset_clocks_ = 0;
     in_flight_ = 0;
@@ -320,8 +320,7 @@ class InputOutputRig {
       ++reset_clocks_;
       ASSERT_FALSE(model.raster_valid_o || model.raster_sof_o || model.raster_sol_o);
       since_sol_ = -1;
-      rows_since_sof_ = -1;
-      row_ = -1;
+      row_ = bubble_rows_ = -1;
       return;
     }
     if (model.frame_out_o) --in_flight_;
@@ -334,18 +333,18 @@ class InputOutputRig {
     if (since_sol_ < 0 || since_sol_ == model.width_o) {
       ASSERT_TRUE(model.raster_sol_o) << "a row does not start with sol";
       since_sol_ = 0;
-      if (rows_since_sof_ >= 0) ++rows_since_sof_;
       if (model.raster_sof_o) {
         ASSERT_TRUE(model.raster_valid_o);
         ASSERT_LT(row_, 0) << "a frame starts before the previous one ended";
-        ASSERT_TRUE(rows_since_sof_ < 0 || rows_since_sof_ >= min_rows_)
-            << "frames start " << rows_since_sof_ << " rows apart";
-        row_ = rows_since_sof_ = 0;
+        ASSERT_TRUE(bubble_rows_ < 0 || bubble_rows_ >= gap_rows_)
+            << bubble_rows_ << " bubble rows between frames";
+        row_ = 0;
         ++in_flight_;
         ++frames_begun;
         max_in_flight = std::max(max_in_flight, in_flight_);
       } else {
         ASSERT_EQ(model.raster_valid_o != 0, row_ >= 0);
+        if (row_ < 0 && bubble_rows_ >= 0) ++bubble_rows_;
       }
     } else {
       ASSERT_FALSE(model.raster_sol_o || model.raster_sof_o)
@@ -353,17 +352,21 @@ class InputOutputRig {
       ASSERT_EQ(model.raster_valid_o != 0, row_ >= 0);
     }
     ++since_sol_;
-    if (since_sol_ == model.width_o && row_ >= 0 && ++row_ == model.height_o) row_ = -1;
+    if (since_sol_ == model.width_o && row_ >= 0 && ++row_ == model.height_o) {
+      row_ = -1;
+      bubble_rows_ = 0;
+    }
   }
 
-  int min_rows_;
+  int gap_rows_;
   std::mt19937 random_;
   std::deque<Pixel> in_;
   bool is_offered_ = false, is_stalled_ = false, was_applied_ = false;
   Word last_{};
   std::vector<std::uint16_t> partial_;
   int x_ = 0, y_ = 0, line_ = 0;
-  int since_sol_ = -1, row_ = -1, rows_since_sof_ = -1, in_flight_ = 0;
+  int since_sol_ = -1, row_ = -1, in_flight_ = 0;
+  int bubble_rows_ = -1;           // since the last frame; -1: there was none
   bool needs_stage_reset_ = true;  // before the next tick
   int reset_clocks_ = 0;           // of stage_rst_no
   std::array<int, 2> configuration_{};

@@ -15,9 +15,11 @@
 namespace fpga_stereo::test::input_output {
 namespace {
 
+constexpr int kGapRows = 2;  // input_output.sv
+
 class StandardRig : public InputOutputRig<InputOutput> {
  public:
-  explicit StandardRig(unsigned seed = 1) : InputOutputRig(3, seed) {}
+  explicit StandardRig(unsigned seed = 1) : InputOutputRig(kGapRows, seed) {}
 };
 
 TEST(InputOutput, PassesCompleteFramesInOrder) {
@@ -53,7 +55,7 @@ TEST(InputOutput, AcceptsGapsOfAnyLength) {
   }
 }
 
-TEST(InputOutput, PassesOnePixelPerClockBackToBack) {
+TEST(InputOutput, PassesOnePixelPerClockWithTheGapBetweenFrames) {
   StandardRig rig;
   for (const auto& [width, height] : {std::pair{16, 3}, {31, 4}, {64, 11}, {16, 1}, {20, 2}}) {
     SCOPED_TRACE(::testing::Message() << width << " x " << height);
@@ -66,7 +68,7 @@ TEST(InputOutput, PassesOnePixelPerClockBackToBack) {
     expect_equal(rig, expected_frames(stream, width, height), first);
     if (HasFailure()) return;
     for (std::size_t i = first + 1; i < first + 9; ++i) {
-      EXPECT_EQ(rig.first_words[i] - rig.first_words[i - 1], width * std::max(height, 3));
+      EXPECT_EQ(rig.first_words[i] - rig.first_words[i - 1], width * (height + kGapRows));
     }
   }
 }
@@ -85,7 +87,7 @@ TEST(InputOutput, FlushesTheLastFrameThenStops) {
   rig.run(1000);
   EXPECT_EQ(rig.ticks, ticks);
   // input_output.sv delays by 7 rows and 7 ticks, and the last row of bubbles is completed.
-  EXPECT_EQ(rig.ticks, 16 * (2 * 5 + 8));
+  EXPECT_EQ(rig.ticks, 16 * (2 * 5 + kGapRows + 8));
 }
 
 TEST(InputOutput, UpdatesSignaturesOnceThePipelineIsIdle) {
@@ -135,7 +137,7 @@ TEST(InputOutput, PadsOnePixelPerClock) {
   if (HasFailure()) return;
   expect_equal(rig, expected_frames(stream, width, height));
   for (int i = 1; i < 7; ++i) {
-    EXPECT_EQ(rig.first_words[i] - rig.first_words[i - 1], width * height);
+    EXPECT_EQ(rig.first_words[i] - rig.first_words[i - 1], width * (height + kGapRows));
   }
 }
 
@@ -231,7 +233,7 @@ TEST(InputOutput, HandlesRandomFaults) {
 
 TEST(InputOutput, Holds130TinyFramesInFlight) {
   // The latency is 130 rows and a frame has one row, so about 130 frames are in flight.
-  InputOutputRig<InputOutputDeep> rig(1, 1);
+  InputOutputRig<InputOutputDeep> rig(0, 1);
   rig.apply_size(16, 1);
   std::mt19937 random(1);
   for (const double idle : {0., 0.3}) {
@@ -244,7 +246,7 @@ TEST(InputOutput, Holds130TinyFramesInFlight) {
 
 TEST(InputOutput, LimitsFramesInFlightToTheFlagsItStores) {
   // The latency is 7 rows, but only 3 frames may be in flight: a fourth one waits.
-  InputOutputRig<InputOutputFew> rig(1, 1);
+  InputOutputRig<InputOutputFew> rig(0, 1);
   rig.apply_size(16, 1);
   std::mt19937 random(1);
   send_and_check(rig, faulty_frames(16, 1, 60, random), 16, 1);

@@ -102,7 +102,6 @@ RasterResult compare(const std::vector<std::pair<cv::Mat, cv::Mat>>& pairs, Rast
   ModelWithCensusDelay<Model> model(static_cast<std::size_t>(p.correlation_window_size) *
                                     raster.width);
   model.width_i = raster.width;
-  model.height_i = raster.height;
   const int words = (bits + 31) / 32;
   const auto write = [&](auto& port, const cv::Mat& image, int x, int y) {
     for (int word = 0; word < words; ++word) {
@@ -164,18 +163,24 @@ class RtlMatch : public ::testing::Test {
     return std::max(16, build_parameters<Model>().correlation_window_size + 1);
   }
   int radius() const { return build_parameters<Model>().correlation_window_size / 2; }
+  /// Frames with the smallest gap between them.
+  Raster raster() const {
+    Raster raster;
+    raster.bubble_rows = {radius()};
+    return raster;
+  }
 };
 using Models = ::testing::Types<MatchSparse, MatchFull, MatchLarge>;
 TYPED_TEST_SUITE(RtlMatch, Models);
 
-TYPED_TEST(RtlMatch, EqualsSoftwareAtManySizesBackToBack) {
+TYPED_TEST(RtlMatch, EqualsSoftwareAtManySizesWithTheSmallestGap) {
   const int width = this->min_width();
-  const int height = this->radius() + 1;  // the minimum for frames without bubble rows
+  const int height = this->radius() + 1;
   for (const cv::Size size :
        {cv::Size(width, height), cv::Size(width + 1, height + 1), cv::Size(width + 7, 2 * height),
         cv::Size(width + 20, 2 * height + 5), cv::Size(64, 3 * height)}) {
     SCOPED_TRACE(::testing::Message() << size);
-    Raster raster;
+    Raster raster = this->raster();
     raster.seed = size.width;
     compare<TypeParam>(census_pairs<TypeParam>(size, 3, 7 * size.height), raster);
   }
@@ -184,16 +189,17 @@ TYPED_TEST(RtlMatch, EqualsSoftwareAtManySizesBackToBack) {
 TYPED_TEST(RtlMatch, EqualsSoftwareAtHeightsBelowTheWindow) {
   for (int height = 1; height <= this->radius(); ++height) {
     SCOPED_TRACE(height);
+    const int gap = this->radius();
     Raster raster;
-    const int gap = this->radius() + 1 - height;
     raster.bubble_rows = {1, gap, gap, gap + 1};
     compare<TypeParam>(census_pairs<TypeParam>({this->min_width(), height}, 5, height), raster);
   }
 }
 
 TYPED_TEST(RtlMatch, EqualsSoftwareWithStallsAndBubbleRows) {
+  const int gap = this->radius();
   Raster raster;
-  raster.bubble_rows = {2, 1, 0, 3, 30, 12};
+  raster.bubble_rows = {2, gap + 1, gap, gap + 3, 30, gap + 12};
   raster.stall_chance = 0.4;
   compare<TypeParam>(census_pairs<TypeParam>({25, 17}, 7, 3), raster);
 }
@@ -201,14 +207,14 @@ TYPED_TEST(RtlMatch, EqualsSoftwareWithStallsAndBubbleRows) {
 TYPED_TEST(RtlMatch, EqualsSoftwareAtMinAndMaxSums) {
   for (const int left : {0, 1}) {
     for (const int right : {0, 1}) {
-      compare<TypeParam>(census_pairs<TypeParam>({40, 30}, 2, 1, left, right), {});
+      compare<TypeParam>(census_pairs<TypeParam>({40, 30}, 2, 1, left, right), this->raster());
     }
   }
 }
 
 TYPED_TEST(RtlMatch, RecoversFromAResetInTheMiddleOfAFrame) {
-  Raster raster;
-  raster.reset_after_ticks = 30 * 26 + 30 * 11 + 13;
+  Raster raster = this->raster();
+  raster.reset_after_ticks = 30 * 26 + 30 * (this->radius() + 11) + 13;
   compare<TypeParam>(census_pairs<TypeParam>({30, 26}, 2, 11), raster);
 }
 

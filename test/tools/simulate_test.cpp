@@ -94,7 +94,8 @@ TEST_F(Simulate, Cycles) {
   EXPECT_EQ(run.err, "");
   for (const std::string line :
        {"latency +[0-9]+ clocks = [0-9]+\\.[0-9]+ lines.*",
-        "clocks per frame +5917, for 5917 pixels", "simulated +[0-9]+ clocks per second",
+        "clocks per frame +6596, for 5917 pixels and 679 of gap between frames",
+        "simulated +[0-9]+ clocks per second",
         "build +width 640, 16 disparities, sparse census 11, correlation 15",
         "line buffer +3 of 102 rows needed; 1020 kbit",
         "mesh +126 of 5120 nodes needed; 640 kbit"}) {

@@ -95,7 +95,8 @@ void print_cycles(const Run& run, const GatewareBuild& build, const StereoJob& j
   line("latency") << latency << " clocks = " << static_cast<double>(latency) / size.width
                   << " lines, first pixel in to first disparity out; " << start
                   << " of them for rectify's read start\n";
-  line("clocks per frame") << period << ", for " << size.area() << " pixels\n";
+  line("clocks per frame") << period << ", for " << size.area() << " pixels and "
+                           << period - size.area() << " of gap between frames\n";
   line("simulated") << std::setprecision(0) << run.clocks_per_second << " clocks per second\n";
   line("build") << "width " << build.max_width << ", " << build.disparities << " disparities, "
                 << to_text(build.census_pattern) << " census " << build.census_window

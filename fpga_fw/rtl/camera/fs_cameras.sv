@@ -8,7 +8,8 @@
 // Latency   3 clocks of the pixel clock and some 9 of clk_i from the pins to the output
 // Handshake Stream out. fs_input stalls it if a frame comes before a row of ticks is complete: for
 //           a row of clocks at most, some 270 pixels at 25 MHz with clk_i at 60 MHz. Depth covers
-//           that. There are longer stalls: up to 41 rows of clocks when a configuration takes
+//           that. The gap that fs_input needs between frames lies in the sensors' blanking.
+//           There are longer stalls: up to 41 rows of clocks when a configuration takes
 //           effect while a slow line still holds the previous frame; and up to a frame of clocks
 //           when a new height, or sensors that stopped, make fs_input fill up the previous frame.
 //           Then the frame is cut, fs_camera_pair fills in its missing lines, and the next one is
