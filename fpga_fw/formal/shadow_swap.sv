@@ -1,6 +1,7 @@
 // Formal: fs_registers and fs_input, for any use of the bus and any stream. The configuration in
 // effect changes only in the clock after apply_o, all of it at once, to the shadow as it was when
-// CONTROL.apply was written, always in range, and never while a frame is in flight.
+// CONTROL.apply was written, always in range, and never while a frame is in flight. From a write to a
+// mesh to that clock, uploading_o is high.
 //
 // Wires named like the signals of u_input and u_registers in Yosys's flattened netlist connect to
 // those signals.
@@ -30,7 +31,7 @@ module shadow_swap #(
   assign height = active[fs_pkg::ConfigHeightRowsLsb+:12];
   assign read_pixels = active[fs_pkg::ConfigReadStartPixelsLsb+:12];
   assign read_rows = active[fs_pkg::ConfigReadStartRowsLsb+:8];
-  logic pending, apply, bank;
+  logic pending, apply, uploading;
   logic mesh_we, mesh_right, read_valid;
   logic [3:0] mesh_node;
   logic [31:0] mesh_data, data;
@@ -39,7 +40,7 @@ module shadow_swap #(
     .clk_i, .rst_ni, .write_i, .read_i(1'b0), .address_i, .data_i, .read_valid_o(read_valid),
     .data_o(data), .config_o(active), .pending_o(pending), .apply_i(apply),
     .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
-    .mesh_data_o(mesh_data), .bank_o(bank),
+    .mesh_data_o(mesh_data), .uploading_o(uploading),
     .busy_i(busy), .frame_in_i(frame_in), .frame_out_i, .cut_frame_i(cut_frame),
     .long_frame_i(long_frame), .buffer_left_i(1'b0), .buffer_right_i(1'b0), .buffer_frame_i(1'b0),
     .signatures_i('0)
@@ -56,7 +57,6 @@ module shadow_swap #(
   );
   (* hierconn *) wire [fs_pkg::ConfigBits-1:0] \u_registers.shadow_q , \u_registers.active_q ;
   (* hierconn *) wire \u_registers.pending_q , \u_registers.check_q , \u_registers.ok ;
-  (* hierconn *) wire \u_registers.written_q ;
   (* hierconn *) wire \u_input.frame_q , \u_input.idle_q , \u_input.full_q ;
   (* hierconn *) wire \u_input.first_q , \u_input.last_q ;
   (* hierconn *) wire [11:0] \u_input.x_q , \u_input.before_last_x_q ;
@@ -83,11 +83,9 @@ module shadow_swap #(
   logic in_flight, was_in_flight_q;
   assign in_flight = complete_q != '0 | ended | \u_input.frame_q | begins;
 
-  // Everything that the stages see of the configuration.
-  logic [fs_pkg::ConfigBits:0] all, all_q;
-  assign all = {active, bank};
+  logic [fs_pkg::ConfigBits-1:0] active_q;           // a clock ago
   logic [fs_pkg::ConfigBits-1:0] asked_q, shadow_q;  // at the write of CONTROL.apply; a clock ago
-  logic asks, apply_q, pending_q, reset_q, written_q, bank_q;
+  logic asks, apply_q, pending_q, reset_q, mesh_we_q, uploading_q;
   assign asks = write_i & address_i == fs_pkg::RegControl & data_i[fs_pkg::ControlApplyLsb];
   logic [11:0] shadow_width, shadow_height, shadow_pixels;
   logic [7:0] shadow_rows;
@@ -101,26 +99,27 @@ module shadow_swap #(
                     shadow_pixels < shadow_width & shadow_rows < 8'(LineRows);
   always_ff @(posedge clk_i) begin
     was_in_flight_q <= in_flight;
-    all_q <= all;
+    active_q <= active;
     shadow_q <= \u_registers.shadow_q ;
     if (asks) asked_q <= \u_registers.shadow_q ;
     apply_q <= rst_ni & apply;
     pending_q <= \u_registers.pending_q ;
-    written_q <= \u_registers.written_q ;
-    bank_q <= bank;
+    mesh_we_q <= mesh_we;
+    uploading_q <= uploading;
     reset_q <= ~rst_ni;
   end
 
   logic changed;
-  assign changed = started_q & ~reset_q & all != all_q;
+  assign changed = started_q & ~reset_q & active != active_q;
   always_comb if (changed) p_only_behind_apply: assert (apply_q & pending_q);
   always_comb if (changed) p_never_in_flight: assert (~in_flight & ~was_in_flight_q);
   always_comb if (changed) p_stages_in_reset: assert (~stage_rst_n);
   always_comb if (started_q & apply_q & pending_q) begin
     p_all_at_once: assert (\u_registers.active_q == shadow_q);
     p_as_asked: assert (\u_registers.active_q == asked_q);
-    p_bank: assert (bank == (bank_q ^ written_q));
   end
+  always_comb if (started_q & ~reset_q)
+    p_uploading: assert (uploading == (mesh_we_q | (uploading_q & ~(apply_q & pending_q))));
   always_comb if (started_q) begin
     p_width_in_range: assert (width >= 12'd16 & width <= 12'(MaxWidth));
     p_height_in_range: assert (height >= 12'd1 & height <= 12'd1200);
@@ -163,7 +162,7 @@ module shadow_swap #(
   // Cover: these events are reachable.
   always_ff @(posedge clk_i) begin
     if (~rst_ni) reached_o <= '0;
-    else reached_o <= reached_o | {changed & bank == bank_q, changed & bank != bank_q,
+    else reached_o <= reached_o | {changed & ~uploading_q, changed & uploading_q,
                                    in_flight & pending, \u_registers.check_q & ~\u_registers.ok };
   end
 endmodule

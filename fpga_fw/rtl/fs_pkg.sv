@@ -6,7 +6,7 @@
 /* verilator lint_off UNUSEDPARAM */  // no design uses every name
 package fs_pkg;
   // The specification hash.
-  localparam logic [31:0] SpecHash = 32'h0C223E13;
+  localparam logic [31:0] SpecHash = 32'hB7A06FF4;
 
   // Stages, in data order.
   localparam int StageRectify = 0;   // moves both images onto common rows
@@ -124,7 +124,7 @@ package fs_pkg;
 
   // SPEC_HASH (ro): hash of the specification that the gateware was built from
   localparam logic [7:0] RegSpecHash = 8'h01;
-  localparam logic [31:0] RegSpecHashReset = 32'h0C223E13;
+  localparam logic [31:0] RegSpecHashReset = 32'hB7A06FF4;
 
   // VERSION (ro): version of protocol and gateware
   localparam logic [7:0] RegVersion = 8'h02;
@@ -168,8 +168,8 @@ package fs_pkg;
   localparam int StatusPendingBits = 1;
   localparam int StatusBusyLsb = 1;
   localparam int StatusBusyBits = 1;
-  localparam int StatusBankLsb = 2;
-  localparam int StatusBankBits = 1;
+  localparam int StatusUploadingLsb = 2;
+  localparam int StatusUploadingBits = 1;
 
   // ERRORS (w1c): errors since they were last cleared
   localparam logic [7:0] RegErrors = 8'h0A;
@@ -286,9 +286,9 @@ package fs_pkg;
   localparam logic [7:0] RegLabelExhaustion = 8'h35;
   localparam logic [31:0] RegLabelExhaustionReset = 32'h00000000;
 
-  // MESH_SWAPS (ro): swaps of the bank of meshes in use
-  localparam logic [7:0] RegMeshSwaps = 8'h36;
-  localparam logic [31:0] RegMeshSwapsReset = 32'h00000000;
+  // MESH_UPLOADS (ro): applies that took effect after a mesh was written
+  localparam logic [7:0] RegMeshUploads = 8'h36;
+  localparam logic [31:0] RegMeshUploadsReset = 32'h00000000;
 
   // SIGNATURE_RECTIFY (ro): left << 8 ^ right
   localparam logic [7:0] RegSignatureRectify = 8'h40;

@@ -30,10 +30,9 @@
 //           bubble rows included, so short frames and odd heights waste none of it.
 //           The mesh has ceil(W/8)+1 nodes a row; node (i, j) is at j * (ceil(W/8)+1) + i. Its
 //           write port goes straight to memory: drive it from registers. It takes one node per
-//           clock, independent of en_i and rst_ni, into the bank that mesh_bank_i does not select.
-//           Settings and mesh_bank_i may change while no frame is inside. The rows output around a
-//           change of width_i or T_s may have any length.
-//           around a change of width_i or T_s may have any length.
+//           clock, independent of en_i and rst_ni. What is then rectified of a frame inside may be
+//           wrong. Settings may change while no frame is inside. The rows output around a change
+//           of width_i or T_s may have any length.
 module fs_rectify #(
   parameter int MaxWidth = 640,
   parameter int LineRows = 102,
@@ -47,7 +46,6 @@ module fs_rectify #(
   input  logic [11:0] height_i,
   input  logic [7:0]  read_rows_i,
   input  logic [11:0] read_pixels_i,
-  input  logic        mesh_bank_i,
   input  logic        mesh_we_i,
   input  logic        mesh_right_i,
   input  logic [15:0] mesh_node_i,
@@ -284,7 +282,7 @@ module fs_rectify #(
     ) u_camera (
       .clk_i, .rst_ni, .en_i(en_i[(1+2*Camera)%Copies]), .mesh_en_i(en_i[(2+2*Camera)%Copies]),
       .half_i(half_q),
-      .mesh_we_i(mesh_we), .mesh_bank_i, .mesh_node_i, .mesh_data_i,
+      .mesh_we_i(mesh_we), .mesh_node_i, .mesh_data_i,
       .node_i(node_q), .node_dy_i(node_dy_q),
       .fraction_i(fraction_10_q), .result_i(result_q[13]),
       .step_dy_i(result_q[13] & result_dy_q[13] & !result_first_q[13]),

@@ -38,7 +38,6 @@ module fs_rectify_camera #(
   input  logic [HalfBits-1:0] half_i,
   // Mesh: see fs_rectify_mesh.
   input  logic                mesh_we_i,
-  input  logic                mesh_bank_i,
   input  logic [15:0]         mesh_node_i,
   input  logic [31:0]         mesh_data_i,
   input  logic [15:0]         node_i,
@@ -73,7 +72,7 @@ module fs_rectify_camera #(
     .MeshNodes(MeshNodes)
   ) u_mesh (
     .clk_i, .en_i(mesh_en_i),
-    .we_i(mesh_we_i), .bank_i(mesh_bank_i), .write_node_i(mesh_node_i), .data_i(mesh_data_i),
+    .we_i(mesh_we_i), .write_node_i(mesh_node_i), .data_i(mesh_data_i),
     .node_i, .node_dy_i, .fraction_i, .result_i, .step_dy_i, .step_dx_i,
     .row_dy_i, .row_dx_i, .cell_dy_i, .cell_dx_i, .dy_o(dy), .dx_o(dx)
   );

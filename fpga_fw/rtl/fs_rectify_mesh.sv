@@ -1,5 +1,4 @@
-// Holds two meshes of one camera (in use and shadow) and computes the displacement of each pixel of
-// a row.
+// Holds the mesh of one camera and computes the displacement of each pixel of a row.
 //
 // Formula   column(i) = 8 n(i, j) + (n(i, j+1) - n(i, j)) fy, fy = y modulo 8          1/1024 px
 //           m = 8 column(i) + (column(i+1) - column(i)) fx, fx = x modulo 8            1/8192 px
@@ -16,16 +15,15 @@
 // Limits    result_i in stage 13 for each column, dy before dx; step_dy_i, step_dx_i with it except
 //           for column 0. A step must not come before the start of the cell that uses the previous
 //           step.
-//           Both banks are 0 (identity) after the FPGA is configured. Node, bank and coordinate
-//           form the address: {node, bank, dy}. A chunk of 1024 nodes is 4 block RAMs of 18 kbit,
-//           read 4 bits wide.
+//           The mesh is 0 (identity) after the FPGA is configured. Node and coordinate form the
+//           address: {node, dy}. A chunk of 1024 nodes is 2 block RAMs of 18 kbit, read 8 bits
+//           wide.
 module fs_rectify_mesh #(
   parameter int MeshNodes = 5120
 ) (
   input  logic        clk_i,
   input  logic        en_i,
   input  logic        we_i,    // independent of en_i
-  input  logic        bank_i,  // the bank to read; the other one is written
   input  logic [15:0] write_node_i,
   input  logic [31:0] data_i,
   input  logic [15:0] node_i,       // stage 6
@@ -53,18 +51,18 @@ module fs_rectify_mesh #(
     if (en_i) block_q <= node_i[15:10];
   end
   for (genvar c = 0; c < Chunks; c++) begin : g_chunk
-    (* no_rw_check *) logic [Node-1:0] memory[0:4095];
+    (* no_rw_check *) logic [Node-1:0] memory[0:2047];
     logic [Node-1:0] read_q;
-    initial for (int k = 0; k < 4096; k++) memory[k] = '0;  // identity
+    initial for (int k = 0; k < 2048; k++) memory[k] = '0;  // identity
     always_ff @(posedge clk_i) begin
       if (we_i && write_node_i[15:10] == 6'(c)) begin
-        memory[{write_node_i[9:0], !bank_i, 1'b0}] <= data_i[Node-1:0];
-        memory[{write_node_i[9:0], !bank_i, 1'b1}] <= data_i[2*Node-1:Node];
+        memory[{write_node_i[9:0], 1'b0}] <= data_i[Node-1:0];
+        memory[{write_node_i[9:0], 1'b1}] <= data_i[2*Node-1:Node];
       end
     end
     always_ff @(posedge clk_i) begin
       if (en_i) begin
-        read_q <= memory[{node_i[9:0], bank_i, node_dy_i}];
+        read_q <= memory[{node_i[9:0], node_dy_i}];
         chunk_q[Node*c+:Node] <= read_q;
         select_q[c] <= block_q == 6'(c);
       end

@@ -11,9 +11,9 @@
 //                    The shadow takes effect as it was at CONTROL.apply: a write to the shadow or
 //                    to a mesh withdraws an apply that still waits; CONTROL.apply must then be
 //                    written again.
-//           meshes   MESH_DATA gives one clock of mesh_we_o, for the bank that is not bank_o. Both
-//                    cameras change banks together, at an apply, if a node was written since the
-//                    last one. An upload must therefore be complete, and include both cameras.
+//           meshes   MESH_DATA gives one clock of mesh_we_o. From then on until the next apply
+//                    uploading_o is high: what is rectified meanwhile may come from parts of two
+//                    meshes, so its frame is bad.
 // Latency   1 clock.
 // Handshake none: write_i and read_i are accepted in every clock, also together.
 // Limits    out of range: WIDTH below the smallest that the stages allow or above MaxWidth, HEIGHT
@@ -49,7 +49,7 @@ module fs_registers #(
   output logic                           mesh_right_o,
   output logic [NodeBits-1:0]            mesh_node_o,
   output logic [31:0]                    mesh_data_o,
-  output logic                           bank_o,
+  output logic                           uploading_o,
   // Events: pulses, except for busy_i, buffer_left_i, buffer_right_i, signatures_i.
   input  logic                           busy_i,
   input  logic                           frame_in_i,
@@ -135,7 +135,7 @@ module fs_registers #(
     rows_ok_q <= {1'b0, read_rows} < 9'(LineRows);
   end
 
-  logic apply, written_q;
+  logic apply;
   assign apply = apply_i & pending_q;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
@@ -143,14 +143,12 @@ module fs_registers #(
       active_q[Width+:12] <= 12'(ResetWidth);
       check_q <= 1'b0;
       pending_q <= 1'b0;
-      written_q <= 1'b0;
-      bank_o <= 1'b0;
+      uploading_o <= 1'b0;
     end else begin
       if (apply) active_q <= shadow_q;
       check_q <= write_control & data_i[fs_pkg::ControlApplyLsb];
       pending_q <= (check_q ? ok : pending_q & ~apply) & ~write_shadow & ~write_mesh;
-      written_q <= mesh_we_o | (written_q & ~apply);
-      bank_o <= bank_o ^ (apply & written_q);
+      uploading_o <= mesh_we_o | (uploading_o & ~apply);
     end
   end
   assign pending_o = pending_q;
@@ -202,7 +200,7 @@ module fs_registers #(
   end
 
   // In the order of their registers, from RegFramesIn on.
-  localparam int Counters = 32'(fs_pkg::RegMeshSwaps) - 32'(fs_pkg::RegFramesIn) + 1;
+  localparam int Counters = 32'(fs_pkg::RegMeshUploads) - 32'(fs_pkg::RegFramesIn) + 1;
   logic [Counters-1:0] events;
   logic [32*Counters-1:0] counters_q;
   always_comb begin
@@ -212,7 +210,7 @@ module fs_registers #(
     events[3'(fs_pkg::RegCutFrames-fs_pkg::RegFramesIn)] = cut_frame_i;
     events[3'(fs_pkg::RegLongFrames-fs_pkg::RegFramesIn)] = long_frame_i;
     events[3'(fs_pkg::RegBufferErrors-fs_pkg::RegFramesIn)] = buffer_frame_i;
-    events[3'(fs_pkg::RegMeshSwaps-fs_pkg::RegFramesIn)] = apply & written_q;
+    events[3'(fs_pkg::RegMeshUploads-fs_pkg::RegFramesIn)] = apply & uploading_o;
   end
   for (genvar i = 0; i < Counters; i++) begin : g_counter
     always_ff @(posedge clk_i) begin
@@ -241,7 +239,7 @@ module fs_registers #(
       fs_pkg::RegStatus: begin
         value[fs_pkg::StatusPendingLsb] = pending_q | check_q;
         value[fs_pkg::StatusBusyLsb] = busy_i;
-        value[fs_pkg::StatusBankLsb] = bank_o;
+        value[fs_pkg::StatusUploadingLsb] = uploading_o;
       end
       fs_pkg::RegErrors: value = 32'(errors_q);
       fs_pkg::RegMeshAddress:

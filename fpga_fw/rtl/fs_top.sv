@@ -16,7 +16,8 @@
 //           its look-ahead and a few more rows; see fpga_fw/README.md.
 // Handshake valid/ready streams at both ends (fs_stream_fifo). Registers are on a plain bus; the
 //           answer comes two clocks after read_i (fs_registers). After a write of CONTROL.apply the
-//           configuration takes effect between two frames.
+//           configuration takes effect between two frames. Frames of which a part is rectified
+//           between the first write to a mesh and that moment are bad.
 // Limits    see the stages.
 module fs_top #(
   parameter int MaxWidth = fs_pkg::DefaultMaxWidth,
@@ -105,7 +106,7 @@ module fs_top #(
   logic [11:0] width, height;
   assign width = active[fs_pkg::ConfigWidthPixelsLsb+:12];
   assign height = active[fs_pkg::ConfigHeightRowsLsb+:12];
-  logic mesh_we, mesh_right, mesh_bank;
+  logic mesh_we, mesh_right, uploading;
   logic [$clog2(MeshNodes)-1:0] mesh_node;
   logic [31:0] mesh_data;
   logic pending, apply, busy, frame_in, frame_out, frame_bad, cut_frame, long_frame;
@@ -120,7 +121,7 @@ module fs_top #(
     .read_valid_o, .data_o,
     .config_o(active), .pending_o(pending), .apply_i(apply),
     .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
-    .mesh_data_o(mesh_data), .bank_o(mesh_bank),
+    .mesh_data_o(mesh_data), .uploading_o(uploading),
     .busy_i(busy), .frame_in_i(frame_in), .frame_out_i(frame_out), .cut_frame_i(cut_frame),
     .long_frame_i(long_frame), .buffer_left_i(left_error & en[0]),
     .buffer_right_i(right_error & en[0]), .buffer_frame_i(buffer_frame), .signatures_i(signatures)
@@ -174,14 +175,14 @@ module fs_top #(
     .width_i(width_q[12*SizeRectify+:12]), .height_i(height_q[12*SizeRectify+:12]),
     .read_rows_i(config_q[fs_pkg::ConfigReadStartRowsLsb+:8]),
     .read_pixels_i(config_q[fs_pkg::ConfigReadStartPixelsLsb+:12]),
-    .mesh_bank_i(mesh_bank), .mesh_we_i(mesh_we), .mesh_right_i(mesh_right),
-    .mesh_node_i(16'(mesh_node)), .mesh_data_i(mesh_data),
+    .mesh_we_i(mesh_we), .mesh_right_i(mesh_right), .mesh_node_i(16'(mesh_node)),
+    .mesh_data_i(mesh_data),
     .valid_i(raw_valid), .sof_i(raw_sof), .sol_i(raw_sol), .left_i(raw_left), .right_i(raw_right),
     .valid_o(rectify_valid), .sof_o(rectify_sof), .sol_o(rectify_sol),
     .left_o(left), .right_o(right), .left_error_o(buffer_left), .right_error_o(buffer_right)
   );
-  assign left_error = buffer_left & rectify_valid;
-  assign right_error = buffer_right & rectify_valid;
+  assign left_error = (buffer_left | uploading) & rectify_valid;
+  assign right_error = (buffer_right | uploading) & rectify_valid;
 
   logic census_valid, census_sof, census_sol;
   logic [CensusBits-1:0] enter_left, enter_right, leave_left, leave_right;

@@ -40,14 +40,14 @@ const std::vector<Register>& register_table() {
        "present state", {
            {"pending", kStatusPending, "", "an apply waits for the next frame to start"},
            {"busy", kStatusBusy, "", "a frame is in flight"},
-           {"bank", kStatusBank, "", "bank of meshes in use; the other bank is the shadow"},
+           {"uploading", kStatusUploading, "", "a mesh was written, and no apply has taken effect since"},
        }},
       {"ERRORS", kRegErrors, Access::kWriteOneToClear, kRegErrorsReset,
        "errors since they were last cleared", {
            {"cut_frame", kErrorsCutFrame, "", "a frame started before the previous one had all its pixels"},
            {"long_frame", kErrorsLongFrame, "", "pixels arrived after the last one of a frame"},
-           {"buffer_left", kErrorsBufferLeft, "", "rectify read a pixel that is not in the left line buffer"},
-           {"buffer_right", kErrorsBufferRight, "", "rectify read a pixel that is not in the right line buffer"},
+           {"buffer_left", kErrorsBufferLeft, "", "rectify read a pixel that is not in the left line buffer, or a mesh was being written"},
+           {"buffer_right", kErrorsBufferRight, "", "rectify read a pixel that is not in the right line buffer, or a mesh was being written"},
            {"config", kErrorsConfig, "", "the board refused an apply: WIDTH, HEIGHT or READ_START is out of range"},
            {"labels", kErrorsLabels, "", "speckle ran out of labels; always 0 in this design"},
        }},
@@ -117,8 +117,8 @@ const std::vector<Register>& register_table() {
       {"LABEL_EXHAUSTION", kRegLabelExhaustion, Access::kReadOnly, kRegLabelExhaustionReset,
        "frames with ERRORS.labels; always 0 in this design", {
        }},
-      {"MESH_SWAPS", kRegMeshSwaps, Access::kReadOnly, kRegMeshSwapsReset,
-       "swaps of the bank of meshes in use", {
+      {"MESH_UPLOADS", kRegMeshUploads, Access::kReadOnly, kRegMeshUploadsReset,
+       "applies that took effect after a mesh was written", {
        }},
       {"SIGNATURE_RECTIFY", kRegSignatureRectify, Access::kReadOnly, kRegSignatureRectifyReset,
        "left << 8 ^ right", {

@@ -43,7 +43,7 @@ std::string flag_names(std::uint32_t flags) {
   const std::pair<std::uint32_t, const char*> names[] = {
       {kCutFrame, "the camera's frame was cut"},
       {kLongFrame, "the camera's frame was too long"},
-      {kBufferError, "the rectification reads outside the line buffer"},
+      {kBufferError, "the rectification read outside the line buffer, or a mesh was being written"},
       {kOverrun, "the link was too slow"},
   };
   std::string text;

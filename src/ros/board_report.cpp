@@ -125,7 +125,7 @@ void fill_diagnostics(const BoardReport& board,
   diagnostics.add("board: frames in", device.board.frames_in);
   diagnostics.add("board: frames cut", device.board.cut_frames);
   diagnostics.add("board: frames too long", device.board.long_frames);
-  diagnostics.add("board: frames beyond the line buffer", device.board.buffer_errors);
+  diagnostics.add("board: frames with rectification errors", device.board.buffer_errors);
   diagnostics.add("board: frames dropped", device.board.frames_dropped);
   diagnostics.add("board: packets damaged", device.board.bad_packets);
   diagnostics.add("clock drift (us/s)", device.clock_drift * 1e6);

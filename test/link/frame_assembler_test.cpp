@@ -180,7 +180,8 @@ TEST(FrameAssembler, DropsFramesThatTheBoardFlags) {
   const std::pair<std::uint32_t, const char*> cases[] = {
       {link::kCutFrame, "the camera's frame was cut"},
       {link::kLongFrame, "the camera's frame was too long"},
-      {link::kBufferError, "the rectification reads outside the line buffer"},
+      {link::kBufferError,
+       "the rectification read outside the line buffer, or a mesh was being written"},
       {link::kOverrun, "the link was too slow"},
       {64, "flags 64"},
   };

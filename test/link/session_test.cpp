@@ -78,13 +78,13 @@ TEST(Session, WritesMeshesOnlyIfTheyChange) {
   Streaming rig;
   rig.want(3);
   ASSERT_TRUE(rig.run_until([&] { return rig.streaming(); }));
-  EXPECT_EQ(rig.board.peek(spec::kRegMeshSwaps), 1U);
+  EXPECT_EQ(rig.board.peek(spec::kRegMeshUploads), 1U);
   rig.want(6);  // the same min_disparity
   ASSERT_TRUE(rig.run_until([&] { return rig.session.counters().configurations == 2; }));
-  EXPECT_EQ(rig.board.peek(spec::kRegMeshSwaps), 1U);
+  EXPECT_EQ(rig.board.peek(spec::kRegMeshUploads), 1U);
   rig.want(7);
   ASSERT_TRUE(rig.run_until([&] { return rig.session.counters().configurations == 3; }));
-  EXPECT_EQ(rig.board.peek(spec::kRegMeshSwaps), 2U);
+  EXPECT_EQ(rig.board.peek(spec::kRegMeshUploads), 2U);
 }
 
 TEST(Session, DeliversNothingThatIsNotWanted) {

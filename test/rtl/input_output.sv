@@ -118,13 +118,13 @@ module input_output #(
   assign height_o = active[fs_pkg::ConfigHeightRowsLsb+:12];
   logic [31:0] mesh_data;
   logic [3:0] mesh_node;
-  logic mesh_we, mesh_right, bank, unused;
-  assign unused = ^{active, mesh_data, mesh_node, mesh_we, mesh_right, bank};
+  logic mesh_we, mesh_right, uploading, unused;
+  assign unused = ^{active, mesh_data, mesh_node, mesh_we, mesh_right, uploading};
   fs_registers #(.MaxWidth(MaxWidth), .LineRows(8), .MeshNodes(16)) u_registers (
     .clk_i, .rst_ni, .write_i, .read_i, .address_i, .data_i, .read_valid_o, .data_o,
     .config_o(active), .pending_o(pending), .apply_i(apply_o),
     .mesh_we_o(mesh_we), .mesh_right_o(mesh_right), .mesh_node_o(mesh_node),
-    .mesh_data_o(mesh_data), .bank_o(bank),
+    .mesh_data_o(mesh_data), .uploading_o(uploading),
     .busy_i(busy), .frame_in_i(frame_in), .frame_out_i(frame_out_o), .cut_frame_i(cut_frame),
     .long_frame_i(long_frame), .buffer_left_i(buffer_error), .buffer_right_i(1'b0),
     .buffer_frame_i(buffer_frame), .signatures_i(signatures)

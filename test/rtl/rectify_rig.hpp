@@ -104,7 +104,7 @@ inline cv::Mat1b buffer_error_mask(const Mesh& mesh, std::int64_t read_start, in
   return out;
 }
 
-/// Runs a model and writes meshes to its shadow bank while the clock runs.
+/// Runs a model, and writes meshes while the clock runs.
 template <class Model>
 class RectifyRig {
  public:
@@ -112,7 +112,6 @@ class RectifyRig {
     model_.rst_ni = 1;
     model_.en_i = 0;
     model_.mesh_we_i = 0;
-    model_.mesh_bank_i = 0;
     model_.clk_i = 0;
     model_.eval();
   }
@@ -145,9 +144,7 @@ class RectifyRig {
     writes_.pop_front();
   }
 
-  void swap_banks() { model_.mesh_bank_i = model_.mesh_bank_i ? 0 : 1; }
-
-  /// Writes `meshes` and makes them active; no frame may be in flight.
+  /// Writes `meshes`; no frame may be in flight.
   void load(const Meshes& meshes) {
     queue(meshes);
     model_.en_i = 0;
@@ -156,7 +153,6 @@ class RectifyRig {
       clock();
     }
     model_.mesh_we_i = 0;
-    swap_banks();
   }
 
   void clock() {

@@ -123,11 +123,8 @@ TEST(RtlRectify, PassesImagesUnchangedBeforeAnyMeshIsWritten) {
   const cv::Size size(40, 20);
   const Meshes zero = {shift_mesh(size, 0, 0), shift_mesh(size, 0, 0)};
   const std::vector<Images> pairs = random_pairs(size, 2, 7);
-  for (int bank = 0; bank < 2; ++bank) {
-    const auto out = rig.run(make_raster({0}, 0, 8), pairs, size.width + 2);
-    rig.expect_equal(zero, pairs, out, size.width + 2, "not written");
-    rig.swap_banks();
-  }
+  const auto out = rig.run(make_raster({0}, 0, 8), pairs, size.width + 2);
+  rig.expect_equal(zero, pairs, out, size.width + 2, "not written");
 }
 
 // The meshes read only pixels above the current one, so T_s may be as small as 0.
@@ -240,8 +237,8 @@ TEST(RtlRectify, ReportsErrorsForAMeshLargerThanItsMemory) {
   }
 }
 
-// New meshes are written while frames are in flight, and become active after those frames are out.
-TEST(RtlRectify, SwapsMeshesBetweenFrames) {
+// New meshes are written while bubble rows pass.
+TEST(RtlRectify, TakesMeshesBetweenFrames) {
   LargeRig rig;
   const cv::Size size(75, 50);
   const Meshes first = {wave_mesh(size, 6, 70), wave_mesh(size, 6, 71)};
@@ -249,16 +246,14 @@ TEST(RtlRectify, SwapsMeshesBetweenFrames) {
   const std::int64_t read_start = std::max(common_read_start(first), common_read_start(second));
   const std::vector<Images> pairs = random_pairs(size, 6, 74);
   rig.load(first);
-  rig.queue(second);
-  bool has_swapped = false;
+  bool has_queued = false;
   const auto out =
       rig.run(make_raster({0, 0, 0, 60, 0}, 0.2, 75), pairs, read_start, [&](int frames) {
-        if (frames < 3 || has_swapped) return;
-        EXPECT_TRUE(rig.queue_empty());
-        has_swapped = true;
-        rig.swap_banks();
-        rig.queue(first);  // written while the second meshes are in use
+        if (frames < 3 || has_queued) return;
+        has_queued = true;
+        rig.queue(second);
       });
+  EXPECT_TRUE(has_queued && rig.queue_empty());
   const auto part = [](const auto& all, int from) {
     return std::decay_t<decltype(all)>(all.begin() + from, all.begin() + from + 3);
   };

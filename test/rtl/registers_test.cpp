@@ -105,6 +105,10 @@ TEST(Registers, ReadAndWriteAsTheTableSpecifies) {
         expected =
             (expected & ~spec::kMeshAddressNode.mask()) | spec::kMeshAddressNode.put(expected + 1);
       }
+      const bool has_node = spec::kMeshAddressNode.get(before[spec::kRegMeshAddress]) < 5120;
+      if (at == spec::kRegStatus && address == spec::kRegMeshData && has_node) {
+        expected |= spec::kStatusUploading.mask();
+      }
       if (at == spec::kRegMeshSignature && address == spec::kRegMeshAddress) {
         expected = kSignatureStart;
       }
@@ -218,7 +222,7 @@ TEST(Registers, RefuseSettingsOutOfRange) {
                                 {1281, 480, 2, 1, false}});
 }
 
-TEST(Registers, KeepTheMeshUploadAfterARefusedApply) {
+TEST(Registers, KeepUploadingAfterARefusedApply) {
   RegistersRig<Registers> rig;
   const auto before = rig.active_settings();
   rig.write(spec::kRegMeshData, 1);
@@ -228,13 +232,13 @@ TEST(Registers, KeepTheMeshUploadAfterARefusedApply) {
   EXPECT_FALSE(rig.is_pending());
   rig.accept_apply();
   EXPECT_EQ(rig.active_settings(), before);
-  EXPECT_EQ(rig.model.bank_o, 0);
+  EXPECT_TRUE(rig.model.uploading_o);
   rig.write(spec::kRegHeight, 5);
   rig.apply();
   rig.clock();
   rig.accept_apply();
   EXPECT_EQ(rig.active(spec::kRegHeight), 5U);
-  EXPECT_EQ(rig.model.bank_o, 1);
+  EXPECT_FALSE(rig.model.uploading_o);
   EXPECT_EQ(rig.read(spec::kRegErrors), kErrorConfig);
 }
 
@@ -299,45 +303,47 @@ TEST(Registers, WriteMeshNodesAndSignThem) {
   }
 }
 
-TEST(Registers, SwapBanksOnlyAfterAMeshWasWritten) {
+TEST(Registers, AreUploadingFromAWriteToAMeshToTheApply) {
   RegistersRig<Registers> rig;
   const auto apply = [&] {
     rig.apply();
     rig.clock();
     rig.accept_apply();
   };
-  std::uint32_t swaps = 0;
-  for (int i = 0; i < 10; ++i) {
-    const int bank = rig.model.bank_o;
-    EXPECT_EQ(spec::kStatusBank.get(rig.status()), bank);
+  const auto is_uploading = [&] {
+    const bool is = rig.model.uploading_o != 0;
+    EXPECT_EQ(spec::kStatusUploading.get(rig.status()), is ? 1U : 0U);
+    return is;
+  };
+  for (std::uint32_t uploads = 0; uploads < 3; ++uploads) {
     apply();
-    EXPECT_EQ(rig.model.bank_o, bank);  // no node was written
-    rig.write(spec::kRegMeshAddress, 0);
-    rig.write(spec::kRegMeshData, 1);
-    EXPECT_EQ(rig.model.bank_o, bank);
-    apply();
-    EXPECT_EQ(rig.model.bank_o, 1 - bank);
-    EXPECT_EQ(rig.read(spec::kRegMeshSwaps), ++swaps);
-    // A node out of range is not written, so the banks stay.
+    EXPECT_FALSE(is_uploading());
+    EXPECT_EQ(rig.read(spec::kRegMeshUploads), uploads);
+    // A node out of range is not written.
     rig.write(spec::kRegMeshAddress, 5120);
     rig.write(spec::kRegMeshData, 1);
+    rig.clock();
+    EXPECT_FALSE(is_uploading());
+    rig.write(spec::kRegMeshAddress, 0);
+    rig.write(spec::kRegMeshData, 1);
+    rig.clock();
+    EXPECT_TRUE(is_uploading());
     apply();
-    EXPECT_EQ(rig.model.bank_o, 1 - bank);
   }
-  // A node written in the clock of the swap belongs to the next upload.
+  // A node written in the clock of the apply belongs to the next upload.
   rig.write(spec::kRegMeshAddress, 0);
   rig.write(spec::kRegMeshData, 1);
   rig.apply();
   rig.clock();
-  const int bank = rig.model.bank_o;
   rig.model.apply_i = 1;
   rig.write(spec::kRegMeshData, 2);
   rig.model.apply_i = 0;
   EXPECT_TRUE(rig.model.mesh_we_o);
-  EXPECT_EQ(rig.model.bank_o, 1 - bank);
+  EXPECT_EQ(rig.read(spec::kRegMeshUploads), 4U);
   rig.clock();
+  EXPECT_TRUE(is_uploading());
   apply();
-  EXPECT_EQ(rig.model.bank_o, bank);
+  EXPECT_FALSE(is_uploading());
 }
 
 TEST(Registers, KeepErrorsUntilCleared) {

@@ -343,5 +343,40 @@ TEST(RtlSystemFrames, AreFlaggedIfTheCameraFrameIsBad) {
   EXPECT_EQ(rig.read(spec::kRegFramesDropped), 0U);
 }
 
+TEST(RtlSystemFrames, AreFlaggedFromAWriteToAMeshToTheApply) {
+  SystemRig rig;
+  const cv::Size size(34, 26);
+  rig.apply_configuration(system_parameters(), distorted_rectification(size, 0.5));
+  rig.write(spec::kRegStreams, kAllStreams);
+  rig.system().set_flow(make_flow(kSlowCamera));
+  std::map<Stream, std::uint32_t> good, bad;
+  for (int stream = 1; stream <= 5; ++stream) {
+    const auto each = static_cast<Stream>(stream);
+    const bool is_raw = each == Stream::kRawLeft || each == Stream::kRawRight;
+    good[each] = 0;
+    bad[each] = is_raw ? 0 : kFrameBufferError;
+  }
+  const auto pairs = textured_pairs(size, 3, 9);
+  rig.write(spec::kRegMeshAddress, 0);
+  rig.write(spec::kRegMeshData, 0);
+  rig.system().feed(pairs[0]);
+  rig.run_until_frames(5);
+  EXPECT_EQ(flags_of(rig, kFirstFrame), bad);
+  // The upload begins while a frame is in flight, and ends with a refused apply.
+  rig.write(spec::kRegControl, spec::kControlApply.put(1));
+  rig.system().feed(pairs[1]);
+  rig.run(size.area());
+  rig.write(spec::kRegMeshData, 0);
+  rig.write(spec::kRegWidth, 1);
+  rig.write(spec::kRegControl, spec::kControlApply.put(1));
+  rig.run_until_frames(10);
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 1), bad);
+  rig.write(spec::kRegWidth, static_cast<std::uint32_t>(size.width));
+  rig.write(spec::kRegControl, spec::kControlApply.put(1));
+  rig.system().feed(pairs[2]);
+  rig.run_until_frames(15);
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 2), good);
+}
+
 }  // namespace
 }  // namespace fpga_stereo::test

@@ -122,7 +122,7 @@ std::string Tally::text(const FrameSource& source) const {
              counted(&Counters::lost_packets), " lost packets from the host; ",
              counted(&Counters::cut_frames), " cut and ", counted(&Counters::long_frames),
              " long frames from the cameras, ", counted(&Counters::buffer_errors),
-             " line buffer errors");
+             " rectification errors");
   return table.text();
 }
 

@@ -129,7 +129,7 @@ Status Gateware::apply(const Parameters& parameters, const StereoRectification& 
 Counters Gateware::counters() {
   return {read(spec::kRegFramesIn),   read(spec::kRegFramesOut),    read(spec::kRegCutFrames),
           read(spec::kRegLongFrames), read(spec::kRegBufferErrors), read(spec::kRegLabelExhaustion),
-          read(spec::kRegMeshSwaps)};
+          read(spec::kRegMeshUploads)};
 }
 
 std::array<std::uint32_t, kNumGatewareStages> Gateware::signatures() {

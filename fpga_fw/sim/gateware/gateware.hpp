@@ -53,7 +53,7 @@ struct Flow {
 
 struct Counters {
   std::uint32_t frames_in, frames_out, cut_frames, long_frames, buffer_errors, label_exhaustion,
-      mesh_swaps;
+      mesh_uploads;
 };
 
 /// Returns the pixel words of consecutive frames.

@@ -1,7 +1,5 @@
 #include "sim/virtual_board/board_registers.hpp"
 
-#include <utility>
-
 #include "fpga_stereo/core/spec.hpp"
 
 namespace fpga_stereo::sim {
@@ -37,12 +35,8 @@ void BoardRegisters::reset() {
   values_[spec::kRegBuildStreams] = options_.streams.bits();
   values_[spec::kRegBuildClock] = options_.clock_hz;
   for (const auto& [address, value] : options_.overrides) values_[address] = value;
-  for (auto& mesh : shadow_mesh_) {
-    mesh.assign(static_cast<std::size_t>(options_.build.mesh_nodes), 0);
-  }
-  active_mesh_ = shadow_mesh_;
+  for (auto& mesh : mesh_) mesh.assign(static_cast<std::size_t>(options_.build.mesh_nodes), 0);
   mesh_signature_ = Signature();
-  is_mesh_written_ = false;
   active_ = {};
 }
 
@@ -56,7 +50,7 @@ void BoardRegisters::write(std::uint32_t address, std::uint32_t value) {
   const bool is_shadow =
       (address >= spec::kConfigurationBegin && address < spec::kConfigurationEnd) ||
       address == spec::kRegMeshData;
-  if (is_shadow) values_[spec::kRegStatus] = 0;  // withdraws a pending apply
+  if (is_shadow) values_[spec::kRegStatus] &= ~spec::kStatusPending.mask();  // withdraws the apply
   switch (address) {
     case spec::kRegMeshData:
       return write_mesh(value);
@@ -72,11 +66,11 @@ void BoardRegisters::write(std::uint32_t address, std::uint32_t value) {
 
 void BoardRegisters::write_mesh(std::uint32_t word) {
   const std::uint32_t at = values_[spec::kRegMeshAddress];
-  auto& mesh = shadow_mesh_[spec::kMeshAddressCamera.get(at)];
+  auto& mesh = mesh_[spec::kMeshAddressCamera.get(at)];
   const std::uint32_t node = spec::kMeshAddressNode.get(at);
   if (node < mesh.size()) {
     mesh[node] = word;
-    is_mesh_written_ = true;
+    values_[spec::kRegStatus] |= spec::kStatusUploading.mask();
   }
   values_[spec::kRegMeshAddress] =
       (at & ~spec::kMeshAddressNode.mask()) | spec::kMeshAddressNode.put(node + 1);
@@ -88,12 +82,12 @@ void BoardRegisters::write_mesh(std::uint32_t word) {
 void BoardRegisters::write_control(std::uint32_t value) {
   if (spec::kControlClear.get(value) != 0) clear_counters();
   if (spec::kControlApply.get(value) == 0) return;
-  values_[spec::kRegStatus] = spec::kStatusPending.put(1);
+  values_[spec::kRegStatus] |= spec::kStatusPending.mask();
   if (!is_frame_held_) apply();
 }
 
 void BoardRegisters::clear_counters() {
-  for (std::uint32_t r = spec::kRegFramesIn; r <= spec::kRegMeshSwaps; ++r) values_[r] = 0;
+  for (std::uint32_t r = spec::kRegFramesIn; r <= spec::kRegMeshUploads; ++r) values_[r] = 0;
   for (const std::uint32_t r : {spec::kRegErrors, spec::kRegFramesDropped, spec::kRegBadPackets,
                                 spec::kRegLostPackets, spec::kRegInputErrors}) {
     values_[r] = 0;
@@ -120,6 +114,10 @@ void BoardRegisters::hold_frame(bool is_held) {
   if (!is_held && spec::kStatusPending.get(values_[spec::kRegStatus]) != 0) apply();
 }
 
+bool BoardRegisters::is_uploading() const {
+  return spec::kStatusUploading.get(values_[spec::kRegStatus]) != 0;
+}
+
 int BoardRegisters::field(std::uint32_t address, spec::Field field) const {
   return static_cast<int>(field.get(values_[address]));
 }
@@ -141,22 +139,19 @@ Parameters BoardRegisters::parameters() const {
 }
 
 void BoardRegisters::apply() {
-  values_[spec::kRegStatus] = 0;
+  values_[spec::kRegStatus] &= ~spec::kStatusPending.mask();
   const cv::Size size(field(spec::kRegWidth, spec::kWidthPixels),
                       field(spec::kRegHeight, spec::kHeightRows));
   if (!is_applicable(size)) {
     values_[spec::kRegErrors] |= spec::kErrorsConfig.mask();
     return;
   }
-  if (is_mesh_written_) {
-    std::swap(shadow_mesh_, active_mesh_);
-    is_mesh_written_ = false;
-    ++values_[spec::kRegMeshSwaps];
-  }
+  if (is_uploading()) ++values_[spec::kRegMeshUploads];
+  values_[spec::kRegStatus] &= ~spec::kStatusUploading.mask();
   active_.parameters = parameters();
   active_.rectification.geometry.image_size = size;
-  active_.rectification.left = to_rectification(size, active_mesh_[0]);
-  active_.rectification.right = to_rectification(size, active_mesh_[1]);
+  active_.rectification.left = to_rectification(size, mesh_[0]);
+  active_.rectification.right = to_rectification(size, mesh_[1]);
   active_.is_buffer_too_small = line_rows(active_.rectification) > options_.build.line_rows;
   ++values_[spec::kRegConfiguration];
 }

@@ -49,6 +49,8 @@ class BoardRegisters {
   void hold_frame(bool is_held);
 
   const Active& active() const { return active_; }
+  /// Returns true from the first write to a mesh until an apply takes effect. Frames are bad then.
+  bool is_uploading() const;
 
  private:
   void write_mesh(std::uint32_t word);
@@ -62,9 +64,8 @@ class BoardRegisters {
 
   const Options options_;
   std::array<std::uint32_t, 256> values_{};
-  std::array<std::vector<std::uint32_t>, 2> shadow_mesh_, active_mesh_;  // left, right; by node
+  std::array<std::vector<std::uint32_t>, 2> mesh_;  // left, right; by node
   Signature mesh_signature_;
-  bool is_mesh_written_ = false;
   bool is_frame_held_ = false;
   Active active_;
 };

@@ -221,7 +221,7 @@ void SoftwareBoard::process(const GreyPair& pair, FrameHeader header) {
   if (!has_valid_size(pair)) return;
   last_pair_ = pair;
   last_pair_configuration_ = registers_[spec::kRegConfiguration];
-  if (registers_.active().is_buffer_too_small) {
+  if (has_buffer_error()) {
     ++registers_[spec::kRegBufferErrors];
     registers_[spec::kRegErrors] |= spec::kErrorsBufferLeft.mask();
   }
@@ -248,6 +248,10 @@ bool SoftwareBoard::has_valid_size(const GreyPair& pair) {
   return false;
 }
 
+bool SoftwareBoard::has_buffer_error() const {
+  return registers_.active().is_buffer_too_small || registers_.is_uploading();
+}
+
 bool SoftwareBoard::is_wanted(Stream stream) const {
   return link::StreamSet::from_bits(registers_[spec::kRegStreams]).contains(stream);
 }
@@ -258,7 +262,7 @@ void SoftwareBoard::send_results(const GreyPair& pair, FrameHeader header) {
     return;
   }
   const Outputs& outputs = outputs_of(pair);
-  if (registers_.active().is_buffer_too_small) header.flags |= kFrameBufferError;
+  if (has_buffer_error()) header.flags |= kFrameBufferError;
   if (is_wanted(Stream::kRectifiedLeft)) send(Stream::kRectifiedLeft, outputs.left, header);
   if (is_wanted(Stream::kRectifiedRight)) send(Stream::kRectifiedRight, outputs.right, header);
   if (is_wanted(Stream::kDisparity)) send(Stream::kDisparity, outputs.disparity, header);

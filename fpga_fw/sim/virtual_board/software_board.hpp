@@ -67,6 +67,7 @@ class SoftwareBoard : public Board {
   const Outputs& outputs_of(const GreyPair& pair);
   /// Computes the SIGNATURE registers of the last pair; called when they are read.
   void update_signatures();
+  bool has_buffer_error() const;
   bool is_wanted(link::Stream stream) const;
   void send(link::Stream stream, const cv::Mat& image, const FrameHeader& header);
   bool is_host_alive() const;

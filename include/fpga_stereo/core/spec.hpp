@@ -154,7 +154,7 @@ constexpr int kLinkTrailerFlagsAt = 4;
 constexpr int kLinkTrailerSignatureAt = 8;
 
 /// The specification hash. The host refuses a gateware with another hash.
-constexpr std::uint32_t kSpecHash = 0x0C223E13;
+constexpr std::uint32_t kSpecHash = 0xB7A06FF4;
 
 /// The register map of the gateware.
 namespace spec {
@@ -199,7 +199,7 @@ constexpr std::uint32_t kRegIdentity = 0x00;
 constexpr std::uint32_t kRegIdentityReset = 0x46535431;
 
 constexpr std::uint32_t kRegSpecHash = 0x01;
-constexpr std::uint32_t kRegSpecHashReset = 0x0C223E13;
+constexpr std::uint32_t kRegSpecHashReset = 0xB7A06FF4;
 
 constexpr std::uint32_t kRegVersion = 0x02;
 constexpr std::uint32_t kRegVersionReset = 0x00000001;
@@ -226,7 +226,7 @@ constexpr std::uint32_t kRegStatus = 0x09;
 constexpr std::uint32_t kRegStatusReset = 0x00000000;
 constexpr Field kStatusPending{0, 1};
 constexpr Field kStatusBusy{1, 1};
-constexpr Field kStatusBank{2, 1};
+constexpr Field kStatusUploading{2, 1};
 
 constexpr std::uint32_t kRegErrors = 0x0A;
 constexpr std::uint32_t kRegErrorsReset = 0x00000000;
@@ -303,8 +303,8 @@ constexpr std::uint32_t kRegBufferErrorsReset = 0x00000000;
 constexpr std::uint32_t kRegLabelExhaustion = 0x35;
 constexpr std::uint32_t kRegLabelExhaustionReset = 0x00000000;
 
-constexpr std::uint32_t kRegMeshSwaps = 0x36;
-constexpr std::uint32_t kRegMeshSwapsReset = 0x00000000;
+constexpr std::uint32_t kRegMeshUploads = 0x36;
+constexpr std::uint32_t kRegMeshUploadsReset = 0x00000000;
 
 constexpr std::uint32_t kRegSignatureRectify = 0x40;
 constexpr std::uint32_t kRegSignatureRectifyReset = 0x00000000;
