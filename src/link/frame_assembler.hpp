@@ -44,10 +44,9 @@ struct Leader {
 
 /// Why a board flags its own frame as bad: bits of Trailer::flags.
 enum FrameFlag : std::uint32_t {
-  kCutFrame = kFrameCut,    // the camera sent too few pixels
-  kLongFrame = kFrameLong,  // the camera sent too many pixels
-  kBufferError =
-      kFrameBufferError,     // rectify read outside its line buffer, or a mesh was being written
+  kCutFrame = kFrameCut,             // the camera sent too few pixels
+  kLongFrame = kFrameLong,           // the camera sent too many pixels
+  kBufferError = kFrameBufferError,  // rectify lacked a pixel, or a mesh was being written
   kOverrun = kFrameOverrun,  // the link was too slow: the board dropped the rest of the frame
 };
 

@@ -98,7 +98,7 @@ TEST_F(Simulate, Cycles) {
         "simulated +[0-9]+ clocks per second",
         "build +width 640, 16 disparities, sparse census 11, correlation 15",
         "line buffer +3 of 102 rows needed; 1020 kbit",
-        "mesh +126 of 5120 nodes needed; 640 kbit"}) {
+        "mesh +126 of 5120 nodes needed; 320 kbit"}) {
     EXPECT_TRUE(std::regex_search(run.out, std::regex("(^|\n)" + line + "\n"))) << line << " in:\n"
                                                                                 << run.out;
   }

@@ -102,12 +102,12 @@ void print_cycles(const Run& run, const GatewareBuild& build, const StereoJob& j
                 << to_text(build.census_pattern) << " census " << build.census_window
                 << ", correlation " << build.correlation_window << "\n";
   const auto kbit = [](int bits) { return fmt::format("{} kbit", bits / 1024); };
-  constexpr int kCameras = 2, kBanks = 2, kCoordinates = 2;
+  constexpr int kCameras = 2, kCoordinates = 2;
   line("line buffer") << fpga_stereo::line_rows(job.rectification) << " of " << build.line_rows
                       << " rows needed; "
                       << kbit(kCameras * build.line_rows * build.max_width * kPixelBits) << "\n";
   line("mesh") << Mesh::node_count(size).area() << " of " << build.mesh_nodes << " nodes needed; "
-               << kbit(kCameras * kBanks * build.mesh_nodes * kCoordinates * kMeshBits) << "\n";
+               << kbit(kCameras * build.mesh_nodes * kCoordinates * kMeshBits) << "\n";
 }
 
 void simulate(const Arguments& arguments) {
