@@ -1,7 +1,7 @@
 // Formal: fs_registers and fs_input, for any use of the bus and any stream. The configuration in
 // effect changes only in the clock after apply_o, all of it at once, to the shadow as it was when
-// CONTROL.apply was written, always in range, and never while a frame is in flight. From a write to a
-// mesh to that clock, uploading_o is high.
+// CONTROL.apply was written, always in range, and never while a frame is in flight. From a write to
+// a mesh to that clock, uploading_o is high.
 //
 // Wires named like the signals of u_input and u_registers in Yosys's flattened netlist connect to
 // those signals.

@@ -276,12 +276,17 @@ TEST(RtlSystemFrames, FollowTheIntervalsOfPairsAndRawImages) {
   EXPECT_EQ(rig.frames.size(), 2U);
 }
 
+/// Makes the board send every stream of slow cameras.
+void start(SystemRig& rig, const StereoRectification& rectification) {
+  rig.apply_configuration(system_parameters(), rectification);
+  rig.write(spec::kRegStreams, kAllStreams);
+  rig.system().set_flow(make_flow(kSlowCamera));
+}
+
 TEST(RtlSystemFrames, BeginOnlyWhileAHostIsHeard) {
   SystemRig rig;
   const cv::Size size(20, 12);
-  rig.apply_configuration(system_parameters(), identity_rectification(size));
-  rig.write(spec::kRegStreams, kAllStreams);
-  rig.system().set_flow(make_flow(kSlowCamera));
+  start(rig, identity_rectification(size));
   const auto pairs = textured_pairs(size, 3, 1);
   rig.system().feed(pairs[0]);
   rig.run_until_frames(5);
@@ -307,12 +312,19 @@ std::map<Stream, std::uint32_t> flags_of(const SystemRig& rig, std::uint64_t id)
   return flags;
 }
 
+/// Returns what flags_of() returns if raw images and results have these flags.
+std::map<Stream, std::uint32_t> all_flags(std::uint32_t raw, std::uint32_t results) {
+  return {{Stream::kRawLeft, raw},
+          {Stream::kRawRight, raw},
+          {Stream::kRectifiedLeft, results},
+          {Stream::kRectifiedRight, results},
+          {Stream::kDisparity, results}};
+}
+
 TEST(RtlSystemFrames, AreFlaggedIfTheCameraFrameIsBad) {
   SystemRig rig;
   const cv::Size size(34, 26);
-  rig.apply_configuration(system_parameters(), distorted_rectification(size, 0.5));
-  rig.write(spec::kRegStreams, kAllStreams);
-  rig.system().set_flow(make_flow(kSlowCamera));
+  start(rig, distorted_rectification(size, 0.5));
   const std::vector<Pixel> good = sim::to_pixels(textured_pairs(size, 1, 9));
   std::vector<Pixel> cut(good.begin(), good.begin() + 34 * 11 + 17), long_line = good;
   long_line.insert(long_line.begin() + 5 * 34 + 10, 8, Pixel{1, 2, false, false});
@@ -322,46 +334,30 @@ TEST(RtlSystemFrames, AreFlaggedIfTheCameraFrameIsBad) {
   rig.run_until_frames(5);
   for (const auto& words : {cut, good, long_line, good}) rig.system().feed(words);
   rig.run_until_frames(25);
-  const auto all = [](std::uint32_t flags) {
-    std::map<Stream, std::uint32_t> map;
-    for (int stream = 1; stream <= 5; ++stream) map[static_cast<Stream>(stream)] = flags;
-    return map;
-  };
-  EXPECT_EQ(flags_of(rig, kFirstFrame), all(0));
-  EXPECT_EQ(flags_of(rig, kFirstFrame + 1), all(kFrameCut));
-  EXPECT_EQ(flags_of(rig, kFirstFrame + 2), all(0));
-  EXPECT_EQ(flags_of(rig, kFirstFrame + 3), all(kFrameLong));
-  EXPECT_EQ(flags_of(rig, kFirstFrame + 4), all(0));
+  EXPECT_EQ(flags_of(rig, kFirstFrame), all_flags(0, 0));
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 1), all_flags(kFrameCut, kFrameCut));
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 2), all_flags(0, 0));
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 3), all_flags(kFrameLong, kFrameLong));
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 4), all_flags(0, 0));
   // Reading starts too early for the mesh; the raw images are still good.
   rig.write(spec::kRegReadStart, spec::kReadStartPixels.put(1));
   rig.write(spec::kRegControl, spec::kControlApply.put(1));
   rig.system().feed(good);
   rig.run_until_frames(30);
-  auto expected = all(kFrameBufferError);
-  expected[Stream::kRawLeft] = expected[Stream::kRawRight] = 0;
-  EXPECT_EQ(flags_of(rig, kFirstFrame + 5), expected);
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 5), all_flags(0, kFrameBufferError));
   EXPECT_EQ(rig.read(spec::kRegFramesDropped), 0U);
 }
 
 TEST(RtlSystemFrames, AreFlaggedFromAWriteToAMeshToTheApply) {
   SystemRig rig;
   const cv::Size size(34, 26);
-  rig.apply_configuration(system_parameters(), distorted_rectification(size, 0.5));
-  rig.write(spec::kRegStreams, kAllStreams);
-  rig.system().set_flow(make_flow(kSlowCamera));
-  std::map<Stream, std::uint32_t> good, bad;
-  for (int stream = 1; stream <= 5; ++stream) {
-    const auto each = static_cast<Stream>(stream);
-    const bool is_raw = each == Stream::kRawLeft || each == Stream::kRawRight;
-    good[each] = 0;
-    bad[each] = is_raw ? 0 : kFrameBufferError;
-  }
+  start(rig, distorted_rectification(size, 0.5));
   const auto pairs = textured_pairs(size, 3, 9);
   rig.write(spec::kRegMeshAddress, 0);
   rig.write(spec::kRegMeshData, 0);
   rig.system().feed(pairs[0]);
   rig.run_until_frames(5);
-  EXPECT_EQ(flags_of(rig, kFirstFrame), bad);
+  EXPECT_EQ(flags_of(rig, kFirstFrame), all_flags(0, kFrameBufferError));
   // The upload begins while a frame is in flight, and ends with a refused apply.
   rig.write(spec::kRegControl, spec::kControlApply.put(1));
   rig.system().feed(pairs[1]);
@@ -370,12 +366,12 @@ TEST(RtlSystemFrames, AreFlaggedFromAWriteToAMeshToTheApply) {
   rig.write(spec::kRegWidth, 1);
   rig.write(spec::kRegControl, spec::kControlApply.put(1));
   rig.run_until_frames(10);
-  EXPECT_EQ(flags_of(rig, kFirstFrame + 1), bad);
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 1), all_flags(0, kFrameBufferError));
   rig.write(spec::kRegWidth, static_cast<std::uint32_t>(size.width));
   rig.write(spec::kRegControl, spec::kControlApply.put(1));
   rig.system().feed(pairs[2]);
   rig.run_until_frames(15);
-  EXPECT_EQ(flags_of(rig, kFirstFrame + 2), good);
+  EXPECT_EQ(flags_of(rig, kFirstFrame + 2), all_flags(0, 0));
 }
 
 }  // namespace
