@@ -38,14 +38,22 @@ def write_images():
         pathlib.Path(f"{side}.yaml").write_text(text + "distortion_model: plumb_bob\n")
 
 
-def matched():
-    """Returns the PNG files that match writes for the two pairs."""
-    files = set()
+def matched(extension="png"):
+    """Returns the files that match writes for the two pairs."""
+    files, out = set(), f"matched.{extension}"
     for i in range(2):
-        program("match", f"images/left/{i}.pgm", f"images/right/{i}.pgm", "matched.png", *MATCH, *SETTINGS)
-        files.add(pathlib.Path("matched.png").read_bytes())
+        program("match", f"images/left/{i}.pgm", f"images/right/{i}.pgm", out, *MATCH, *SETTINGS)
+        files.add(pathlib.Path(out).read_bytes())
     expect(len(files) == 2, "both pairs have the same disparity")
     return files
+
+
+def count_matched(folder, pairs):
+    """Returns the number of disparities in a folder. All must be among those of match."""
+    files = sorted(folder.iterdir())
+    wrong = [file.name for file in files if file.read_bytes() not in pairs]
+    expect(not wrong, f"{len(wrong)} of {len(files)} disparities differ from those of match: {wrong[:5]}")
+    return len(files)
 
 
 class Board:
